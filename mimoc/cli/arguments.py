@@ -53,11 +53,7 @@ Beside = Annotated[
 
 
 def load_spec(path: Path) -> "InfantSpec":
-    """Return the spec in a file or, for `-`, in standard input, where paths are relative to the working directory.
-
-    Raises:
-        SpecError: If the spec is invalid.
-    """
+    """Return the spec in a file or, for `-`, in standard input, where paths are relative to the working directory."""
     from mimoc import schema
     from mimoc.compiler import loading
     from mimoc.schema import source
@@ -70,14 +66,7 @@ def load_spec(path: Path) -> "InfantSpec":
 
 
 def load_infant(path: Path) -> "Bundle":
-    """Return the bundle in a folder, or of a recording, or built from a spec: of a file or, for `-`, standard input.
-
-    Raises:
-        BundleError: If the folder is not an intact bundle.
-        RecordingError: If the folder is a recording that is damaged, or of several infants.
-        SpecError: If the spec cannot be built.
-        ModelError: If MuJoCo rejects the model.
-    """
+    """Return the bundle in a folder, or of a recording, or built from a spec: of a file or, for `-`, standard input."""
     from mimoc.cli import console
     from mimoc.compiler import loading, pipeline
     from mimoc.recording.folder import read_infant
@@ -92,13 +81,7 @@ def load_infant(path: Path) -> "Bundle":
 
 
 def load_counterpart(path: Path, beside: str) -> "InfantSpec":
-    """Return the child that stands beside the one of a spec or of a bundle, such as the `healthy` one.
-
-    Raises:
-        SpecError: If the spec is invalid, or there is no such child.
-        UnknownNameError: If there is no such counterpart.
-        MimocError: If there is no spec, or nothing impairs its child.
-    """
+    """Return the child that stands beside the one of a spec or of a bundle, such as the `healthy` one."""
     from mimoc.compiler.provenance import SPEC_FILE
     from mimoc.schema.counterparts import counterpart
 
@@ -126,11 +109,7 @@ def check_video(video: Path | None, eyes: bool) -> None:
 
 
 def import_object(name: str) -> Any:
-    """Return an instance of a class that is named as `module:Class`; the module can be in the current folder.
-
-    Raises:
-        MimocError: If there is no such module or class, or it cannot be made without arguments.
-    """
+    """Return an instance of a class that is named as `module:Class`; the module can be in the current folder."""
     made = import_class(name, "my_task:Stillness")
     try:
         return made()

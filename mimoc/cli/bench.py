@@ -99,7 +99,6 @@ def bench(
 
 
 def _check_mode(**modes: object) -> None:
-    """Raise a MimocError unless exactly one thing is to be done."""
     chosen = [f"--{name}" for name, value in modes.items() if value]
     if not chosen:
         raise MimocError("say what to score: --policy NAME -o FILE.json; or see the tasks with --list")

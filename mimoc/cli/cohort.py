@@ -130,7 +130,6 @@ def milestones(
 
 
 def _given(**options: Any) -> dict[str, Any]:
-    """Return the options of the engine that were given."""
     return {name: value for name, value in options.items() if value is not None}
 
 

@@ -97,7 +97,6 @@ def _to_errors(line: str) -> None:
 
 class _Steps(MofNCompleteColumn):
     def render(self, task: Task) -> Text:
-        """Return the steps done and their total, or nothing until there is one."""
         return super().render(task) if task.total is not None else Text()
 
 
@@ -198,7 +197,6 @@ def print_check(check: PoseCheck) -> None:
 
 
 def _extremes(check: PoseCheck) -> str:
-    """Return the largest kinetic energy and the largest violation of a joint limit as text."""
     energy = f"kinetic energy at most {check.energy_j_per_kg:.2f} J/kg"
     if not check.joint:
         return f"{energy}, no joint limit exceeded"

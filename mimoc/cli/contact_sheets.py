@@ -26,11 +26,7 @@ def draw(
     framing: "Framing",
     refused: dict[str, bool],
 ) -> None:
-    """Write a contact sheet of one infant.
-
-    Raises:
-        MimocError: If ages or poses are wrong, there are several infants, or options that a sheet has no use for.
-    """
+    """Write a contact sheet of one infant."""
     from mimoc.cli import console
     from mimoc.render.contact_sheet import check_count, contact_sheet, read_poses
     from mimoc.render.picture_files import write_picture

@@ -53,7 +53,6 @@ def doctor() -> None:
 
 
 def _looks() -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield what to look at, and what returns how it is."""
     yield "mimoc", lambda: version("mimoc")
     yield "machine", _machine
     yield ESSENTIAL, _build
@@ -83,7 +82,6 @@ def _machine() -> str:
 
 
 def _build() -> str:
-    """Build an infant, and let it move."""
     import mimoc
 
     with mimoc.make(mimoc.InfantSpec(mimoc=1, name="doctor", age_months=9)) as env:
@@ -93,7 +91,6 @@ def _build() -> str:
 
 
 def _extra(extra: str) -> str:
-    """Return the versions of the packages of an extra; raise an AbsentError if one is not installed."""
     wanted = re.compile(rf"([\w.-]+).*extra == ['\"]{extra}['\"]")
     names = [match[1] for requirement in requires("mimoc") or () if (match := wanted.match(requirement))]
     try:
@@ -114,7 +111,6 @@ def _torch() -> str:
 
 
 def _told(*command: str) -> str:
-    """Return what a program of the system prints, in one line; raise an AbsentError if there is none."""
     if not shutil.which(command[0]):
         raise AbsentError(f"no command '{command[0]}'")
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)

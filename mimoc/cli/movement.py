@@ -109,7 +109,6 @@ def movement(
 
 
 def _refuse(given: dict[str, object], reason: str) -> None:
-    """Refuse options that have no effect on what is measured."""
     for name, value in given.items():
         if value is not None:
             raise MimocError(f"--{name} {reason}")

@@ -30,7 +30,6 @@ QUESTIONS = {
 
 
 def _of(field: str) -> Callable[[], Sequence[str]]:
-    """Return what lists the values of an option, for shells to complete."""
 
     def values() -> Sequence[str]:
         from mimoc.schema.starter import offered
@@ -109,7 +108,6 @@ def new(
 
 
 def _name(spec: Path) -> str:
-    """Return the name of an infant whose spec has some path."""
     words = re.sub("[^a-z0-9]+", "_", spec.stem.lower()).strip("_")
     return words[:64] if words[:1].isalpha() else f"infant_{words}"[:64].rstrip("_")
 
@@ -122,7 +120,6 @@ def _choices(name: str, given: dict[str, Any]) -> "Choices":
 
 
 def _asked(name: str) -> dict[str, Any]:
-    """Return what the user answers, if there is one."""
     return _answers(name) if sys.stdin.isatty() and sys.stdout.isatty() else {}
 
 
@@ -199,7 +196,6 @@ def import_config(
 
 
 def _write_scene(imported: "Imported", file: Path, bundle: Path, force: bool) -> str:
-    """Write the scene beside a spec, with its assets; return what is printed of it."""
     from mimoc.bundle import files
 
     content = {file.parent / name: data for name, data in imported.scene(file.stem).items()} if imported.scene else {}

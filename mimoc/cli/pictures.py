@@ -156,7 +156,6 @@ def _draw(
     shown: "Shown",
     framing: "Framing",
 ) -> None:
-    """Write a picture of one infant, or of several in a row."""
     from mimoc.components.senses.touch.run import skin_markers
     from mimoc.render.picture_files import write_picture
     from mimoc.render.picture_poses import load_in_pose
@@ -256,7 +255,6 @@ def rooms(
 
 
 def _scene_drawer(spec: Path, size_px: tuple[int, int]) -> "Callable[[int], Picture]":
-    """Return what draws the scene of a seed, around one infant or several."""
     from mimoc.bundle.io import read_bundle
     from mimoc.compiler import building, variants
     from mimoc.compiler.world_variants import plan_of_bundle

@@ -63,11 +63,7 @@ _OPTIONS = (
 
 
 def names_of(texts: Sequence[str] | None) -> dict[str, str] | None:
-    """Return the names of points by label in texts such as `p7=left_foot`, or None for none.
-
-    Raises:
-        MimocError: If one is not of this form.
-    """
+    """Return the names of points by label in texts such as `p7=left_foot`, or None for none."""
     pairs = [text.rpartition("=") for text in texts or ()]
     for label, _, point in pairs:
         if not label or not point:
@@ -76,11 +72,7 @@ def names_of(texts: Sequence[str] | None) -> dict[str, str] | None:
 
 
 def picture_of(text: str | None) -> tuple[int, int] | None:
-    """Return width and height in a text such as `1920,1080`, or None for none.
-
-    Raises:
-        MimocError: If it is no size.
-    """
+    """Return width and height in a text such as `1920,1080`, or None for none."""
     if text is None:
         return None
     match = re.fullmatch("([1-9][0-9]{0,5})[,x]([1-9][0-9]{0,5})", text.replace(" ", ""))

@@ -119,11 +119,7 @@ def retarget(
 
 
 def camera_of(text: str | None) -> "Camera | None":
-    """Return the camera in a text of six numbers, or None for none.
-
-    Raises:
-        MimocError: If it is none.
-    """
+    """Return the camera in a text of six numbers, or None for none."""
     if text is None:
         return None
     from mimoc.motion.point_recording import Camera
@@ -168,7 +164,6 @@ def print_account(result: "Retargeted") -> None:
 
 
 def _range(interval: "Interval", scale: float, decimals: int) -> str:
-    """Return an interval as text, with its level."""
     from mimoc.movement.retargeting.result import LEVEL
 
     low, high = scale * interval.low, scale * interval.high
@@ -176,7 +171,6 @@ def _range(interval: "Interval", scale: float, decimals: int) -> str:
 
 
 def _print_joints(account: "Account") -> None:
-    """Print which joints are hardly known, not seen, or at the ends of their ranges."""
     deviations = sorted(account.angle_sd_deg.items(), key=lambda item: -item[1])
     known = [(name, f"{value:.0f}°") for name, value in deviations if name not in account.unseen]
     _line("least known", _named(known))

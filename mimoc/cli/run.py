@@ -175,7 +175,6 @@ def _counterpart(infant: Path, world: "WorldBundle | None", beside: str) -> "Bun
 def _written(
     infants: "Mapping[str, Infant]", video: Path | None, record: Path | None, filmed: str | None
 ) -> list[Path]:
-    """Return what a run writes: a video, the sound of an infant that hears, and a recording."""
     from mimoc.recording.record import heard_in
     from mimoc.recording.sound_track import sound_file
 

@@ -95,17 +95,12 @@ def skill(
 
 
 def _around(real: Any) -> tuple[int, int, int]:
-    """Return ages from two months before the first real infants to two after they usually can, in steps."""
     first, last = max(0, round(real.youngest_months) - 2), round(real.usual_months or real.oldest_months) + 2
     return first, last, 2
 
 
 def read_months(text: str | None, *usual: int) -> tuple[float, ...]:
-    """Return the ages in a text such as `3:12`, `2:12:2` or `2,4.5`; without one, those of a range, ends included.
-
-    Raises:
-        MimocError: If it is none, or they are not from 0 to 24 months.
-    """
+    """Return the ages in a text such as `3:12`, `2:12:2` or `2,4.5`; without one, those of a range, ends included."""
     try:
         if text is None or ":" in text:
             first, last, *step = usual if text is None else map(int, text.split(":"))
@@ -120,11 +115,7 @@ def read_months(text: str | None, *usual: int) -> tuple[float, ...]:
 
 
 def read_options(texts: list[str]) -> dict[str, Any]:
-    """Return keys of a task from assignments such as `style=belly`, with numbers where they are numbers.
-
-    Raises:
-        MimocError: If one is no assignment.
-    """
+    """Return keys of a task from assignments such as `style=belly`, with numbers where they are numbers."""
     options: dict[str, Any] = {}
     for text in texts:
         key, is_assigned, value = text.partition("=")

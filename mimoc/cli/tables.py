@@ -56,7 +56,6 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
 
 
 def _growth_columns(rows: Sequence[Row]) -> Mapping[str, Column]:
-    """Return the columns that have something to say about these rows, by heading."""
     reference = rows[0].reference
     columns: dict[str, Column] = {"months": lambda row: f"{row.age_months:g}", "infant": lambda row: f"{row.value:.2f}"}
     if reference == "mean":
@@ -147,7 +146,6 @@ def print_milestones(report: MilestoneReport) -> None:
 
 
 def _milestone_rows(milestone: Milestone, others: Sequence[Milestone]) -> Iterator[tuple[str | Text, ...]]:
-    """Yield a row for a milestone, or one for each side if the sides of one of the infants differ."""
     window, infants = milestone.window, (milestone, *others)
     sides = milestone.sides if any(infant.side for infant in infants) else [next(iter(milestone.sides))]
     for side in sides:
@@ -256,7 +254,6 @@ def _held_out(rows: Sequence[MovementRow], title: str) -> Table:
 
 
 def _used(rows: Sequence[MovementRow]) -> str:
-    """Return whether a number of the law was chosen for what is asked of a measure."""
     uses = list(dict.fromkeys(row.window.used for row in rows if row.window))
     return "by age" if len(uses) > 1 else "".join(uses)
 
@@ -281,7 +278,6 @@ def _movement_value(row: MovementRow) -> Text:
 
 
 def _asked(rows: Sequence[MovementRow]) -> str:
-    """Return the window of a measure, in words."""
     ranges = list(dict.fromkeys(_range(row.window) for row in rows if row.window))
     return "by age" if len(ranges) > 1 else "".join(ranges)
 
@@ -342,7 +338,6 @@ def print_status(status: Status) -> None:
 
 
 def _duration(hours: float) -> str:
-    """Return a duration in a unit that suits it."""
     if hours < 1 / 60:
         return f"{3600 * hours:.0f} s"
     return f"{60 * hours:.0f} min" if hours < 2 else f"{hours:.1f} h"
@@ -378,7 +373,6 @@ def print_measured(columns: Mapping[str, Mapping[str, Sequence[float | None]]], 
 
 
 def _spread(values: Sequence[float], several: bool) -> list[str]:
-    """Return the mean of values and, on request, their standard deviation and number."""
     mean = readable(fmean(values)) if values else "-"
     return [mean, readable(stdev(values), 2) if len(values) > 1 else "-", f"{len(values)}"] if several else [mean]
 

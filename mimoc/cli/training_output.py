@@ -70,11 +70,9 @@ class _Bar:
         self._show, self._text = show, "training"
 
     def report(self, done: int, total: int) -> None:
-        """Move the bar."""
         self._show(done, total, self._text)
 
     def on_row(self, row: CurvePoint) -> None:
-        """Write the return before the bar."""
         self._text = f"training, {return_of(row)}"
 
 
@@ -107,7 +105,6 @@ def print_training(training: Training, out: Path, task: str | None) -> None:
 
 
 def _taken(use: DeviceUse) -> str:
-    """Return what a training took of a device, in one line."""
     memory = f", {use.memory_mb:,.0f} MB of its memory" if use.memory_mb is not None else ""
     speed = f"{use.control_steps_per_s:,.0f} control steps/s, {use.physics_steps_per_s:,.0f} physics steps/s"
     does = f"without exploring it succeeds in {use.success:.0%} of its infants"

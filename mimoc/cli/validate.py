@@ -30,11 +30,8 @@ class Findings:
 
     passed: bool
     data: dict[str, Any]
-    """All numbers, for `--json`."""
     show: Callable[[], None]
-    """Prints the result for people."""
     sheet: Callable[[], Sheet]
-    """Returns the plots of it."""
 
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
@@ -179,7 +176,6 @@ def validate(
 
 
 def _options(against: str, delays: bool, ages: str | None, trials: str | None, beside: str | None) -> dict[str, object]:
-    """Return what a comparison is given besides the infant, if it takes that."""
     if delays and against != "milestones":
         raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
     if ages is not None and against != "movement":

@@ -86,7 +86,6 @@ def _in_a_terminal() -> bool:
 
 
 def _serve(shown: Path, policy: list[str] | None, port: int, open_page: bool) -> None:
-    """Run an infant, or those of a world, under a policy and serve what they do."""
     from mimoc.policies.rollout import Run
     from mimoc.runtime.infants import infants_of
     from mimoc.viewer.live import LiveView

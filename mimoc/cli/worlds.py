@@ -24,11 +24,6 @@ def find_world(path: Path, scene_seed: int | None = None, **refused: object) -> 
         path: What a command was given.
         scene_seed: The seed of its scene, if it is built from a file; None is that of the file.
         refused: Options that are for single infants, by name, as they were given.
-
-    Raises:
-        SpecError: If a world cannot be built.
-        BundleError: If the bundle of a world is damaged.
-        MimocError: If it is a world, and such an option was given.
     """
     from mimoc.compiler.world_sources import world_of
 

@@ -49,7 +49,6 @@ class Sparse:
     """Rows of a long array, of which those numbers are kept whose bits are not all zero."""
 
     def __init__(self, reading: Reading, rows: int):
-        """Make room for some rows."""
         self._bits = np.dtype(f"u{np.dtype(reading.dtype).itemsize}")
         self.index = np.empty(64 * rows, np.int32)
         self.value = np.empty(64 * rows, reading.dtype)

@@ -47,7 +47,6 @@ def expand_names(layout: Sequence[Any]) -> tuple[str, ...]:
 
 
 def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
-    """Return a run that says all names, or None if there is none."""
     parts = [match for name in names if (match := NUMBERED.match(name))]
     first = parts[0][2]
     ends = [part[3] for part in takewhile(lambda part: part[2] == first, parts)]
@@ -106,11 +105,8 @@ class Described:
     """What the schema of a recording says of its columns."""
 
     readings: tuple[Reading, ...]
-    """The arrays of an observation."""
     actions: tuple[str, ...]
-    """Actuators, in the order of an action."""
     step_ms: float
-    """Duration of a control step."""
     movement: tuple[str, ...] = ()
     """Movement columns of numbers."""
     movement_names: tuple[str, ...] = ()

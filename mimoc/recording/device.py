@@ -35,14 +35,12 @@ class DeviceInfant:
     observer: Observer = NO_OBSERVER
 
     def __init__(self, env: Any, world: int):
-        """Take the infant in a world."""
         self._env, self._world = env, world
         self.infants, self.simulation, self.observation_space = {"": self}, self, env.single_observation_space
         self.seen: Observation = {name: np.zeros(space.shape, space.dtype) for name, space in _spaces(env).items()}
         """What it observed last."""
 
     def __getattr__(self, name: str) -> Any:
-        """Return what the infant that stands for it has."""
         return getattr(self._env.residents.infant(self._world), name)
 
     def get_state(self) -> dict[str, Any]:
@@ -65,7 +63,6 @@ class DeviceRecorder(Closing, VectorWrapper):
         part_rows: int = PART_ROWS,
         movement: Sequence[str] = tuple(GROUPS),
     ):
-        """Begin to record; see `mimoc.Recorder`."""
         self._device_env: Any = env.unwrapped
         first = self._device_env.infants[0]
         groups = [name for name in checked_groups(movement) if bind_group(name, first).moment is None]
@@ -140,7 +137,6 @@ class DeviceRecorder(Closing, VectorWrapper):
         return observed
 
     def _look(self) -> None:
-        """Copy the arrays of all worlds from the device."""
         data = self._device_env.worlds.data
         self._fields = {name: getattr(data, name).numpy() for name in FIELDS}
         self._time_s = data.time.numpy()
@@ -170,14 +166,12 @@ def _spaces(env: Any) -> Mapping[str, Any]:
 
 
 def _array(values: Any) -> npt.NDArray[Any]:
-    """Return an array of any library as one of NumPy, in memory of its own."""
     if hasattr(values, "numpy") and not isinstance(values, np.ndarray):
         values = (values.cpu() if hasattr(values, "cpu") else values).numpy()
     return np.array(values)
 
 
 def _arrays(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return arrays by name, and those within."""
     return {name: _arrays(item) if isinstance(item, Mapping) else _array(item) for name, item in values.items()}
 
 
@@ -186,7 +180,6 @@ LEFT_OUT = ("final_obs", "overflowed")
 
 
 def _info_of(info: Mapping[str, Any], world: int) -> dict[str, Any]:
-    """Return the info of one world, as a single infant gives it."""
     return {
         name: _info_of(values, world) if isinstance(values, Mapping) else _array(values)[world].item()
         for name, values in info.items()

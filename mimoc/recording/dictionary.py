@@ -25,11 +25,7 @@ def write_dictionary(folder: Path, columns: Iterable[Column]) -> None:
 
 
 def read_dictionary(folder: Path) -> dict[str, Mapping[str, str]]:
-    """Return what the dictionary of a recording says of each column, by name; nothing if there is none.
-
-    Raises:
-        RecordingError: If it is damaged.
-    """
+    """Return what the dictionary of a recording says of each column, by name; nothing if there is none."""
     path = folder / DICTIONARY
     try:
         content = read_regular_file(path, MOST_BYTES, below=folder)

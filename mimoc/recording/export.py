@@ -62,7 +62,6 @@ def export_recording(
 
 
 def _new_folder(out: str | Path) -> Path:
-    """Return the path of a new or empty folder, or raise an OutputError."""
     target = Path(out).expanduser()
     if os.path.lexists(target) and not target.is_dir():
         raise OutputError(f"{target}: this is a file; name a new folder")

@@ -118,10 +118,6 @@ def open_folder(path: str | Path, bundles: Sequence[AnyBundle], *, note: str | N
         path: The folder.
         bundles: Those of single infants and of worlds that are simulated side by side.
         note: Why the recording cannot be replayed, if it cannot.
-
-    Raises:
-        RecordingError: If the folder holds anything else, or another process is recording in it.
-        OutputError: If it cannot be written.
     """
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
@@ -157,11 +153,7 @@ def recorded_infants(bundles: Sequence[AnyBundle]) -> tuple[RecordedInfant, ...]
 
 
 def check_recordable(folder: Path, bundles: Sequence[AnyBundle]) -> Description | None:
-    """Check that infants can be recorded in a folder; return what its `recording.json` says, None if there is none.
-
-    Raises:
-        RecordingError: If the folder holds anything but a recording of the same infants.
-    """
+    """Check that infants can be recorded in a folder; return what its `recording.json` says, None if there is none."""
     if os.path.lexists(folder) and not folder.is_dir():
         raise RecordingError(f"{folder}: this is a file; name a new folder")
     inside = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
@@ -182,11 +174,7 @@ def check_recordable(folder: Path, bundles: Sequence[AnyBundle]) -> Description 
 
 
 def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
-    """Return the episodes in the folder of a recording, by infant and number; those without a first part are left out.
-
-    Raises:
-        RecordingError: If one is of none of so many infants, or the folder with the episodes is a link.
-    """
+    """Return the episodes in the folder of a recording, by infant and number, but those without a first part."""
     home, parts = folder / EPISODES, dict[tuple[int, int], set[int]]()
     for name in _names_in(folder):
         if match := NAME.fullmatch(name):
@@ -218,7 +206,6 @@ def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[Bi
 
 
 def _names_in(folder: Path) -> list[str]:
-    """Return the names of what is in the folder of the episodes."""
     try:
         with regular_files(folder) as files:
             return files.names(EPISODES)
@@ -242,12 +229,7 @@ def bundle_folder(folder: Path, bundle_digest: str) -> Path:
 
 
 def read_infant(path: str | Path) -> Bundle:
-    """Return the bundle in a folder, or that of the infant whose recording, or retargeted recording, is in it.
-
-    Raises:
-        BundleError: If the folder is not an intact bundle, and no recording.
-        RecordingError: If the recording is damaged, or of several infants.
-    """
+    """Return the bundle in a folder, or that of the infant whose recording, or retargeted recording, is in it."""
     folder = Path(path).expanduser()
     if not os.path.lexists(folder / RECORDING):
         return read_bundle(folder)
@@ -277,7 +259,6 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
 
 
 def _name(infant: int, number: int) -> str:
-    """Return what the names of the files of an episode begin with, as `NAME` expects."""
     return f"{infant:04d}-{number:06d}"
 
 
@@ -287,12 +268,7 @@ def part_stem(stem: Path, number: int) -> Path:
 
 
 def lock_folder(folder: Path, busy: MimocError) -> int:
-    """Make a folder unless it exists, and lock it until the handle that is returned is closed or this process ends.
-
-    Raises:
-        OutputError: If it cannot be made.
-        MimocError: *busy*, if another process has locked it.
-    """
+    """Make a folder unless it exists, and lock it until the handle that is returned is closed or this process ends."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handle = os.open(folder, os.O_RDONLY)

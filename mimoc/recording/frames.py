@@ -34,11 +34,7 @@ def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
 
 
 def read_pictures(paths: Sequence[Path], count: int, shape: Sequence[int]) -> Picture:
-    """Return the pictures in the videos of an episode's parts, each of *shape* (height, width, 3), shape (count, ...).
-
-    Raises:
-        RecordingError: If a file is damaged or missing, far too small for so many pictures, or there are fewer.
-    """
+    """Return the pictures in the videos of an episode's parts, shape (count, height, width, 3)."""
     pictures = list[Picture]()
     for path in paths:
         wanted = count - len(pictures)
@@ -58,9 +54,6 @@ def decoded(path: Path, shape: Sequence[int], most: int) -> Iterator[Picture]:
 
     The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open. A file
     that is far too large for so many pictures is not searched for them.
-
-    Raises:
-        RecordingError: If the file is damaged or missing, or its pictures are of another shape.
     """
     av, most_bytes = require_av(), MOST_BYTES + 2 * math.prod(shape) * most
     # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.

@@ -103,15 +103,12 @@ class _Episode:
     head: dict[str, Any]
     """What its sidecar says once."""
     block: Block
-    """The rows since the last part."""
     action_dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(ACTION))
     """Type of the latest action: they are written in double precision."""
     steps: int = 0
     parts: int = 0
     changes: list[dict[str, Any]] = field(default_factory=list)
-    """What was done to the infant besides its control steps, since the last part."""
     states: list[dict[str, Any]] = field(default_factory=list)
-    """Complete states, since the last part."""
 
 
 @dataclass
@@ -124,9 +121,7 @@ class RecordedSimulation:
     observers: list["RecordingObserver"] = field(default_factory=list)
     """Of each infant, in order."""
     number: int = 0
-    """Number of the present episode."""
     before: dict[str, Any] = field(default_factory=dict)
-    """State before the latest reset."""
     physics: bytes = b""
     """Physics after the latest control step."""
     orders: dict[int, int] = field(default_factory=dict)
@@ -302,7 +297,6 @@ class RecordingObserver(Observer):
             self._shared.physics = self._physics_now()
 
     def _put(self, block: Block, action: Any, judged: Any, observation: Observation) -> None:
-        """Keep a row."""
         block.put(self.infant.data.time, action, judged, observation)
         if self._movement.columns:
             self._movement.add(block.movement, block.room)
@@ -311,7 +305,6 @@ class RecordingObserver(Observer):
         return Block(self._described.readings, len(self._described.actions), self._part_rows, first_step)
 
     def _write_part(self, episode: _Episode, **ended: str) -> None:
-        """Have the rows since the last part written."""
         sidecar = {"changes": episode.changes, "states": episode.states, "rows": episode.block.rows, **ended}
         sidecar |= {} if episode.parts else episode.head
         stem = part_stem(self._stem_of(episode.number), episode.parts)
@@ -348,7 +341,6 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
 
 
 def _described(infant: Infant, movement: MovementReader) -> Described:
-    """Return what the numbers of an infant's recording are."""
     layouts: dict[str, Sequence[str]] = {}
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))

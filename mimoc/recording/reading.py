@@ -33,7 +33,6 @@ class Episode:
     """
 
     files: EpisodeFiles
-    """Where it is."""
 
     def __repr__(self) -> str:
         """Return which episode it is, and its length."""
@@ -293,18 +292,13 @@ class ReadRecording(Sequence[Episode]):
     """
 
     path: Path
-    """The folder."""
     description: Description
-    """Content of its `recording.json`."""
     episodes: tuple[Episode, ...]
-    """All episodes, those of the first infant first."""
 
     def __len__(self) -> int:
-        """Return how many episodes there are."""
         return len(self.episodes)
 
     def __getitem__(self, index: Any) -> Any:
-        """Return an episode, or several."""
         return self.episodes[index]
 
     def __repr__(self) -> str:
@@ -317,12 +311,7 @@ class ReadRecording(Sequence[Episode]):
         return len(self.description.infants)
 
     def infant_number(self, infant: int | str) -> int:
-        """Return the number of an infant that is given by its number or its name.
-
-        Raises:
-            UnknownNameError: If there is no such infant.
-            RecordingError: If several have this name.
-        """
+        """Return the number of an infant that is given by its number or its name."""
         if isinstance(infant, int) or infant.isdecimal():
             return int(infant)
         names = [item.name for item in self.description.infants]
@@ -345,11 +334,7 @@ class ReadRecording(Sequence[Episode]):
         return tuple(sorted(run, key=lambda one: not one.sidecar.start))
 
     def whole_bundle(self, infant: int = 0) -> Bundle | WorldBundle:
-        """Return the bundle of an infant, or of the world that it shares with others.
-
-        Raises:
-            RecordingError: If it is missing, damaged, or another one.
-        """
+        """Return the bundle of an infant, or of the world that it shares with others."""
         wanted = self.description.infants[infant]
         home = bundle_folder(self.path, wanted.bundle)
         if home.is_symlink() or home.parent.is_symlink():

@@ -60,7 +60,6 @@ class VideoFrames:
         self._open()
 
     def _open(self) -> None:
-        """Open the cameras in the present model."""
         env, height_px, vision = self._env, self._height_px, self._env.manifest.senses.vision
         self._data = env.data
         self._observed = vision.cameras if self._eyes and vision else ()
@@ -71,10 +70,8 @@ class VideoFrames:
         view = view_of_scene(FROM_THE_SIDE, manifest, roots, env.data)
         size_px, beside = (round(SHAPE * height_px), height_px), company(manifest, roots, env.data)
         self.camera = BodyCamera(env.model, roots, *size_px, view, margin=SPACE, shown=self._shown, beside=beside)
-        """The camera outside."""
         self.camera.turn(env.data)
         self._goal = self.camera.shot(env.data)
-        """Shot that the camera is moving to."""
         self._time_s = env.data.time
 
     def frame(self, observation: Observation) -> Picture:
@@ -145,7 +142,6 @@ def _beside(outside: Picture, seen: Sequence[Picture]) -> Picture:
 
 
 def _cell_px(height_px: int) -> int:
-    """Return the height of an eye's view in a frame; the two are stacked."""
     return (height_px - GAP_PX) // 2
 
 
@@ -258,7 +254,6 @@ def film_of(
         seen, steps = dict[str, Observation](), 0
 
         def film(infants: Mapping[str, Infant], observations: Mapping[str, Observation]) -> None:
-            """Capture a frame if one is due."""
             nonlocal video, track, steps
             if video is None:
                 shown = _shown(infants, infant)

@@ -127,7 +127,6 @@ class Recording(AbstractContextManager):
         return recorded
 
     def _next_numbers(self) -> list[int]:
-        """Return the number of the next episode of each simulation."""
         numbers, description = self._folder.next_numbers(), self._folder.description
         firsts = dict.fromkeys(description.sharing(infant) for infant in range(len(numbers)))
         return [max(numbers[infant] for infant in sharing) for sharing in firsts]
@@ -139,7 +138,6 @@ class Closing(AbstractContextManager):
     env: Any
 
     def __init__(self, env: Any, recording: Recording):
-        """Wrap an environment that is being recorded."""
         super().__init__(env)  # pyright: ignore[reportCallIssue] - That of Gymnasium's wrapper.
         self.recording = recording
 
@@ -151,12 +149,10 @@ class Closing(AbstractContextManager):
             self.env.close(**options)
 
     def __exit__(self, *error: object) -> None:
-        """Close it."""
         self.close()
 
 
 def _objects(infant: Infant) -> dict[str, str]:
-    """Return the class of each object that a script has passed, by what it is."""
     objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
     classes = {name: type(infant.companions[name]) for name in sorted(infant.companions.custom)}
     companions = {f"companions.{name}": f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}

@@ -73,7 +73,6 @@ def replay_recording(
 
 
 def _open_world(bundle: WorldBundle, other_scenes: bool, **objects: Any) -> WorldEnv:
-    """Return the world of a bundle, on request with scenes of other seeds, which are built from its specs."""
     from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
 
     variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
@@ -83,7 +82,6 @@ def _open_world(bundle: WorldBundle, other_scenes: bool, **objects: Any) -> Worl
 def _given(
     recording: ReadRecording, infant: int, task: Any, senses: Mapping[str, Any], companions: Mapping[str, Any]
 ) -> set[str]:
-    """Return which objects of a script's own are given for an infant, as recordings name them."""
     about = recording.description.infants[infant]
     if about.world is not None:
         task, senses, companions = (by_name.get(about.name, {}) for by_name in (task or {}, senses, companions))

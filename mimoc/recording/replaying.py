@@ -50,7 +50,6 @@ class Difference:
     now: float
 
     def __str__(self) -> str:
-        """Return it in one line."""
         of = f" {self.name}" if self.name else ""
         if np.isnan(self.recorded) and np.isnan(self.now):
             return f"step {self.step}: {self.what}{of} differs"
@@ -80,7 +79,6 @@ def _flat(state: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _first(what: str, recorded: Array, now: Array) -> Number | None:
-    """Return the first number whose bits differ."""
     ours, theirs = (np.ascontiguousarray(array).reshape(len(array), -1) for array in (recorded, now))
     if ours.dtype != theirs.dtype:
         ours, theirs = ours.astype(float), theirs.astype(float)
@@ -92,7 +90,6 @@ def _first(what: str, recorded: Array, now: Array) -> Number | None:
 
 
 def _label(episode: Episode, what: str, index: int) -> str:
-    """Return the name of a number in an array of the observation, or where it is in a picture."""
     reading = {reading.name: reading for reading in episode.described.readings}.get(what)
     if reading is None or index >= reading.size:  # A number of the info may have the name of an observation.
         return ""
@@ -137,7 +134,6 @@ class Replayed:
         return ", ".join(f"{name} {then}, now {software.get(name, 'none')}" for name, then in changed.items())
 
     def __str__(self) -> str:
-        """Return it in one line."""
         which = f"infant {self.episode.infant}, episode {self.episode.number}"
         if self.difference is None:
             return f"{which}: all numbers of {self.steps} control steps came out again"
@@ -271,7 +267,6 @@ class _Replay:
         return {name: result[0] for name, result in stepped.items()}
 
     def _show(self, step: int, observations: Mapping[str, Observation]) -> None:
-        """Show the first chosen infant whose episode goes on."""
         for episode in self._wanted:
             name = self._names[episode.infant]
             if step <= episode.steps and name in observations:
@@ -304,12 +299,10 @@ class _Replay:
 
 
 def _ages_in(state: Mapping[str, Any]) -> dict[str, float]:
-    """Return the age of each infant in a state, by name."""
     return {name: infant[AGE] for name, infant in state.get(INFANTS, {ALONE: state}).items()}
 
 
 def _merged(state: Mapping[str, Any], kept: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a state with some of its parts, and some of those of its infants, from another."""
     merged = {**state, **kept}
     if INFANTS in kept:
         merged[INFANTS] = {name: {**part, **kept[INFANTS].get(name, {})} for name, part in state[INFANTS].items()}
@@ -331,7 +324,6 @@ class _Comparison(Observer):
         self._dtype, self._block, self._steps = np.dtype(ACTION), self._new_block(0), 0
 
     def begin(self, observation: Observation, info: Mapping[str, Any]) -> None:
-        """Compare how the episode begins."""
         if self._episode.sidecar.start:
             self.difference = state_differs(0, self._episode.start, self._infant.get_state())
         self._put(None, (*NOTHING_YET, info), observation)
@@ -357,7 +349,6 @@ class _Comparison(Observer):
     def stepped(
         self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
     ) -> None:
-        """Compare a control step."""
         self._steps += 1
         if self.difference or self._steps > self._episode.steps:
             return
@@ -367,18 +358,15 @@ class _Comparison(Observer):
             self.difference = self.difference or (state and (self._compared() or state))
 
     def end(self) -> Difference | None:
-        """Compare what is left, and return the first difference."""
         self.difference = self.difference or self._compared()
         return self.difference
 
     def _put(self, action: Any, judged: Any, observation: Observation) -> None:
-        """Keep a row, and compare when there are enough."""
         self._block.put(self._infant.data.time, action, judged, observation)
         if self._block.is_full:
             self.difference = self._compared() or self.difference
 
     def _compared(self) -> Difference | None:
-        """Compare the rows that were kept since the last comparison; return the first difference in time."""
         block = self._block
         if not block.rows:
             return None
@@ -391,7 +379,6 @@ class _Comparison(Observer):
         return Difference(block.first_step + row, what, _label(self._episode, what, index), recorded, now)
 
     def _differences(self, rows: Any, block: Block) -> Iterator[Number | None]:
-        """Yield the first number of each array that differs, if there is one."""
         for reading in block.readings:
             name = reading.name
             if reading.kind == "picture":
@@ -417,7 +404,6 @@ class _Comparison(Observer):
 
 @contextmanager
 def _damage_message(episode: Episode) -> Iterator[None]:
-    """Turn what a damaged state or value leads to into one clear line."""
     try:
         yield
     except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
@@ -440,7 +426,6 @@ def _other_scene(episode: Episode, seed: int) -> bool:
 
 
 def _check_observations(env: Infant, episode: Episode) -> None:
-    """Check that an environment observes what was recorded."""
     observed = {name: (space.shape, space.dtype.name) for name, space in spaces_of(env).items()}
     for reading in episode.described.readings:
         if observed.get(reading.name) != (reading.shape, reading.dtype):

@@ -30,7 +30,6 @@ class SoundTrack:
     """What reaches an infant's ears, from the first time that it is asked, whatever its age hears of it."""
 
     def __init__(self, infant: Infant):
-        """Begin with an infant that hears."""
         self._infant, listener = infant, _hearing(infant).listener
         self.rate_hz = round(listener.rate_hz)
         self._index, self._blocks = listener.index, list[npt.NDArray[np.float32]]()
@@ -51,11 +50,7 @@ class SoundTrack:
         return np.rint(pressure.T * (LOUDEST / loudest)).astype(np.int16)
 
     def save(self, file: Path) -> Path:
-        """Write a WAV file in stereo, and return its path.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write a WAV file in stereo, and return its path."""
         content = io.BytesIO()
         with wave.open(content, "wb") as written:
             written.setnchannels(2)

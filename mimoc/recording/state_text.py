@@ -20,11 +20,7 @@ MOST_BYTES = 2**28
 
 
 def to_plain(value: Any) -> Any:
-    """Return what JSON can hold: arrays are compressed, floats are kept as they are.
-
-    Raises:
-        RecordingError: If it contains anything but arrays, numbers, texts, lists, tuples and dictionaries.
-    """
+    """Return what JSON can hold: arrays are compressed, floats are kept as they are."""
     if isinstance(value, np.generic):
         value = np.asarray(value)
     if isinstance(value, np.ndarray):

@@ -85,7 +85,6 @@ def columns_of(described: Described) -> Mapping[str, Any]:
 
 
 def _lists_of(element: Any, size: int = -1) -> Any:
-    """Return the type of lists of one length, or of any."""
     return pa.list_(pa.field("element", element, nullable=False), size)
 
 
@@ -132,7 +131,6 @@ def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
 
 
 def _has_nulls(array: Any) -> bool:
-    """Return whether an array has nulls, or the lists or pairs in it have."""
     if array.null_count:
         return True
     if pa.types.is_struct(array.type):
@@ -176,7 +174,6 @@ def write_block(path: Path, block: Block, described: Described) -> None:
 
 
 def _movement(block: Block, kinds: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the movement columns of a block's rows, in single precision as senses are, and their names."""
     columns: dict[str, Any] = {}
     if block.movement:
         numbers, texts = values_of(block.movement)
@@ -188,7 +185,6 @@ def _movement(block: Block, kinds: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _metadata(column: str) -> dict[str, str] | None:
-    """Return what is written of a column besides its type: label and unit of a quantity."""
     quantity = QUANTITIES.get(column.removeprefix(MEASURE)) if column.startswith(MEASURE) else None
     return {"label": quantity.label, "unit": quantity.unit, "about": quantity.about} if quantity else None
 
@@ -280,12 +276,10 @@ def _listed(kept: Sparse, rows: int, kind: Any) -> Any:
 
 
 def _fixed(array: Array, kind: Any) -> Any:
-    """Return an array of rows as lists of one length."""
     return pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), type=kind)
 
 
 def _aligned(table: Any, schema: Any) -> Any:
-    """Return a table with all columns of a schema."""
 
     def column(field: Any) -> Any:
         if field.name in table.column_names:
@@ -308,13 +302,11 @@ def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """Open a file of Parquet; whatever is wrong with it is one clear line."""
     with opened(path, MOST_BYTES, *DAMAGED) as file, pq.ParquetFile(file) as parquet:
         yield parquet
 
 
 def _read(path: Path, described: Described, first_step: int) -> Any:
-    """Return the rows of a file, of which the first has a number."""
     with _opened(path) as file:
         size = path.stat().st_size
         if described_by(file.schema_arrow) != described:

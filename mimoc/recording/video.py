@@ -121,7 +121,6 @@ class _Encoded(Video):
         self._container.close()
 
     def discard(self) -> None:
-        """Remove the temporary file."""
         self._container.close()
         super().discard()
 
@@ -188,12 +187,7 @@ FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}
 
 
 def check_video(file: str | Path) -> Path:
-    """Check, before anything is recorded, that a video can be written to a file; return its path.
-
-    Raises:
-        OutputError: If the format is not supported, or the folder does not exist.
-        MissingExtraError: If PyAV is not installed, which MP4 needs.
-    """
+    """Check, before anything is recorded, that a video can be written to a file; return its path."""
     path = Path(file).expanduser()
     if path.suffix.lower() not in FORMATS:
         raise OutputError(f"{path}: not a supported video format; end the name in {' or '.join(FORMATS)}")

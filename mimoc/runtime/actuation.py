@@ -75,11 +75,7 @@ def bind_actuation(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
 
 
 def numbers_of(actions: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return what may be one action or several as an array of real numbers.
-
-    Raises:
-        ValueError: If it is none.
-    """
+    """Return what may be one action or several as an array of real numbers."""
     try:
         numbers = np.asarray(actions)
     except ValueError:  # Lists of different lengths.

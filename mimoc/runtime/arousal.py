@@ -105,11 +105,7 @@ class Arousal:
 
 
 def checked_arousal(level: Any) -> float:
-    """Return an arousal.
-
-    Raises:
-        ValueError: If it is none from 0 to 2.
-    """
+    """Return an arousal."""
     if isinstance(level, bool) or not isinstance(level, Real) or not 0 <= float(level) <= MOST or math.isnan(level):
         raise ValueError(f"expected an arousal from 0 to {MOST:g}, got {level!r}")
     return float(level)

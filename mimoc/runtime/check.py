@@ -15,7 +15,6 @@ from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.sense import FloatArray
 
 CHECKED_S = 1.0
-"""Simulated time of each trial."""
 SWITCHING_S = (0.05, 0.1)
 """Range of the time after which alternating commands switch direction."""
 MAX_ENERGY_J_PER_KG = 20.0
@@ -30,11 +29,8 @@ class Flailing:
     """The result of a trial."""
 
     warnings: tuple[str, ...]
-    """Kinds of warnings that MuJoCo raised."""
     energy_j_per_kg: float
-    """Largest kinetic energy per body mass."""
     beyond_deg: float
-    """Largest violation of a joint range."""
     joint: str
     """The joint of that violation; empty if there was none."""
 
@@ -53,11 +49,7 @@ class PoseCheck(Flailing):
 
 
 def check_stability(bundle: Bundle, seed: int = 0) -> Iterator[PoseCheck]:
-    """Yield the check of each pose: a one-second trial with each kind of `COMMANDS`, applied to all actuators.
-
-    Raises:
-        ModelError: If MuJoCo rejects the model.
-    """
+    """Yield the check of each pose: a one-second trial with each kind of `COMMANDS`, applied to all actuators."""
     model = load_model(bundle)
     generator = np.random.default_rng(seed)
     manifest, held = bundle.manifest, [Constraints(bundle.manifest.constraints, model)]
@@ -66,11 +58,7 @@ def check_stability(bundle: Bundle, seed: int = 0) -> Iterator[PoseCheck]:
 
 
 def check_world(bundle: WorldBundle, seed: int = 0) -> PoseCheck:
-    """Return the check of a world as its infants start: the same trials, applied to the actuators of all of them.
-
-    Raises:
-        ModelError: If MuJoCo rejects the model.
-    """
+    """Return the check of a world as its infants start: the same trials, applied to the actuators of all of them."""
     model, manifest = load_world_model(bundle), bundle.manifest
     held = [Constraints(infant.manifest.constraints, model) for infant in bundle.infants.values()]
     return _check_pose(model, manifest.pose, ms_to_s(manifest.step_ms), held, "world", np.random.default_rng(seed))
@@ -104,12 +92,6 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
     """Run a one-second trial, with one command per control step, and return its result.
 
     It ends with the control step in which MuJoCo warns: a body that has exploded takes long to simulate.
-
-    Args:
-        data: Initial state, which is modified.
-        commands: Controls of all actuators.
-        step_s: Duration of a control step.
-        root: Root body of the infant, or the world of several.
     """
     model = data.model
     hinges = np.flatnonzero(model.jnt_limited & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE))

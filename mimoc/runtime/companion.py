@@ -126,15 +126,12 @@ class Companions(Mapping[str, Companion]):
         """MuJoCo's state from which the last physics step was made, shape (n,); n is 0 before the first."""
 
     def __getitem__(self, name: str) -> Companion:
-        """Return the companion of a name."""
         return self._companions[name]
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the names."""
         return iter(self._companions)
 
     def __len__(self) -> int:
-        """Return how many there are."""
         return len(self._companions)
 
     def __bool__(self) -> bool:

@@ -47,18 +47,6 @@ def bind_companions(
     """Return the companions of an infant, bound to its model.
 
     What acts on several infants, a caregiver and water, is bound once, with the first of them.
-
-    Args:
-        model: The infant and its world.
-        bundle: The `mimoc.Bundle` it comes from.
-        streams: Random numbers of the environment, by channel.
-        custom: Objects of a script's own, by name; one may replace that of the bundle.
-        senses: The infant's senses, which hear these companions, and some of which have one themselves.
-        voice: Its voice, which they hear, too.
-        world: For the first of several infants, the `mimoc.WorldBundle` of all of them.
-
-    Raises:
-        KindError: If one of them is none, or is a caregiver that is not the first infant's.
     """
     whole = world if bundle.manifest.prefix else bundle
     present = [name for name in COMPANIONS if whole and getattr(whole.manifest, name)]

@@ -28,11 +28,7 @@ class ControlStep(Generic[Key]):
         self._parts: Sequence[MergedSegment[Key]] = ()
 
     def __call__(self, controls: Mapping[Key, FloatArray]) -> None:
-        """Go through a control step of some infants with these controls; see `Schedule.controls`.
-
-        Raises:
-            ModelError: If the physics needs more memory than the model has.
-        """
+        """Go through a control step of some infants with these controls; see `Schedule.controls`."""
         schedules, datas = self._schedules, self._datas
         segments = {key: schedules[key].begin(given) for key, given in controls.items()}
         if segments != self._segments:  # Without jitter, they are the same objects in each control step.

@@ -84,12 +84,7 @@ class CustomSense(Sense):
     """
 
     def __init__(self, name: str, custom: Any, model: mujoco.MjModel, bundle: Bundle):
-        """Bind the object to a model; *name* is that of its observation.
-
-        Raises:
-            KindError: If it is a class, has no term and cannot be called, has no `space`, or a delay of no whole
-                physics steps.
-        """
+        """Bind the object to a model; *name* is that of its observation."""
         is_object = not isinstance(custom, type)
         if is_object and hasattr(custom, "bind"):
             custom.bind(model, bundle)
@@ -119,11 +114,7 @@ class CustomSense(Sense):
         return tuple(f"{self._name} {index}" for index in range(int(np.prod(self._space.shape))))
 
     def __call__(self, data: mujoco.MjData) -> Sample:
-        """Return the sample now, as an array of its own.
-
-        Raises:
-            KindError: If the first one has not the shape of its space, or a type that cannot be cast to that of it.
-        """
+        """Return the sample now, as an array of its own."""
         sample = self._read(data)
         if not self._is_checked:
             what = f"sense '{self._name}' ({self.class_name}): its sample"
@@ -143,11 +134,7 @@ class CustomSense(Sense):
 
 
 def by_name(objects: Any, what: str = "senses", names: str = "the name of their observation") -> dict[str, Any]:
-    """Return the objects that a script passes, to sense with unless *what* says otherwise, by name.
-
-    Raises:
-        KindError: If they are not in a dictionary.
-    """
+    """Return the objects that a script passes, to sense with unless *what* says otherwise, by name."""
     if not isinstance(objects, Mapping):
         raise KindError(f"{what} is {objects!r:.60}; pass a dictionary of objects by {names}")
     return dict(objects)

@@ -61,9 +61,9 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
-            task: Object that replaces the bundle's task; see `tasks.binding.CustomTask`.
-            senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
-            companions: Objects that act in its world as well, by name; see `companions.companion.Companion`.
+            task: Object that replaces the bundle's task; see `mimoc.runtime.task`.
+            senses: Objects that are added to the bundle's senses, by name; see `mimoc.runtime.custom_sense`.
+            companions: Objects that act in its world as well, by name; see `mimoc.Companion`.
 
         Raises:
             BundleError: If the folder is not an intact bundle.

@@ -18,11 +18,7 @@ def face_of(bundle: Bundle) -> Face | None:
 
 
 def set_expression(expression: str, face: Face | None, model: mujoco.MjModel) -> None:
-    """Change the facial expression of an infant.
-
-    Raises:
-        UnknownNameError: If there is no such expression.
-    """
+    """Change the facial expression of an infant."""
     check_name("facial expression of this infant", expression, face.entry.materials if face else ())
     assert face
     face.show(model, expression)
@@ -47,7 +43,6 @@ class _Follower:
     """Lets the vertices of a face follow its material, wherever that is written."""
 
     def __init__(self, face: Face):
-        """Follow the material of a face."""
         self._face = face
 
     def __call__(self, model: mujoco.MjModel, values: np.ndarray) -> None:

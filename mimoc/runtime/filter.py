@@ -111,7 +111,6 @@ class Lags(Filter):
         return changed[:, :count, 0], changed[:, count:, 0]
 
     def _begun(self, xp: Any, sample: Any) -> tuple[Any, Any]:
-        """Return response and state at the start of an episode."""
         filtered = sample[:, self.first :]
         has_settled = xp.astype(self.time_constants_s < SLOW_S, self.time_constants_s.dtype)
         gain = self.direct + xp.sum(self.weights * has_settled, axis=1)[:, None]

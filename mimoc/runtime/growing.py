@@ -25,30 +25,19 @@ from mimoc.schema.object_base import names_of
 from mimoc.schema.object_moves import checked_moves
 
 OLDEST_MONTHS = 24.0
-"""Age of the oldest infant."""
 SEED, POSE, AROUSAL, OBJECTS = "scene_seed", "pose", "arousal", "objects"
 """Options of a reset, besides `AGE`."""
 
 
 def options_given(options: Any) -> dict[str, Any]:
-    """Return the options of a reset, none for None.
-
-    Raises:
-        TypeError: If they are no dictionary.
-    """
+    """Return the options of a reset, none for None."""
     if options is not None and not isinstance(options, Mapping):
         raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
     return dict(options or {})
 
 
 def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, Any]:
-    """Return the options of a reset for an infant, none for None.
-
-    Raises:
-        TypeError: If they are no dictionary.
-        UnknownNameError: If there is no such option in an environment with these variants.
-        ValueError: If the arousal is not a number from 0 to 2, or a place of an object is none.
-    """
+    """Return the options of a reset for an infant, none for None."""
     options, is_alone, objects = options_given(options), not infant.name, infant.manifest.objects
     known = [POSE, AROUSAL, *([AGE] if variants else []), *([OBJECTS] if objects else [])]
     known += [SEED] if is_alone and variants and variants.has_other_scenes else []
@@ -63,18 +52,7 @@ def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, An
 def find_start(
     options: Mapping[str, Mapping[str, Any]], variant: Variant, infants: Mapping[str, Infant], *, is_new: bool
 ) -> tuple[dict[str, str], dict[str, Pose]]:
-    """Return the keyframes whose poses infants start in, by name, and where the objects are put that options move.
-
-    Args:
-        options: Of the reset, by infant.
-        variant: What is reset.
-        infants: The infants as they live now.
-        is_new: Whether the variant is another one than theirs.
-
-    Raises:
-        UnknownNameError: If there is no such pose or object.
-        ValueError: If an object would be inside of anything, or there is no such place; nothing has changed then.
-    """
+    """Return the keyframes whose poses infants start in, by name, and where the objects are put that options move."""
     manifests = manifests_of(variant.bundle)
     poses = {
         name: _keyframe_of(manifest, options[name].get(POSE))
@@ -103,7 +81,6 @@ def put(poses: Mapping[str, str], variant: Variant, data: mujoco.MjData) -> None
 
 
 def _keyframe_of(manifest: Manifest, pose: str | None) -> str:
-    """Return the keyframe of a pose, which may be named as that of an infant that is alone."""
     known = {manifest.of_infant(keyframe): keyframe for keyframe in manifest.poses}
     return known[pose] if pose in known else pose_of(manifest, pose)
 
@@ -111,19 +88,7 @@ def _keyframe_of(manifest: Manifest, pose: str | None) -> str:
 def find_variant(
     variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: int | None = None
 ) -> Variant | None:
-    """Return infants with the ages and the scene that are wanted, or None if they have these already.
-
-    Args:
-        variants: What makes them, if anything does.
-        manifest: That of the infant or the world now.
-        ages_months: Their ages now.
-        wanted: Their ages then.
-        seed: The seed of the scene then; None is that of now.
-
-    Raises:
-        ValueError: If an age is not one from 0 to 24 months, or the seed is not a non-negative integer.
-        MimocError: If there are no such infants.
-    """
+    """Return infants with the ages and the scene that are wanted, or None if they have these already."""
     ages = {name: _age(age_months) for name, age_months in wanted.items()}
     seed = checked_seed(manifest.seed if seed is None else seed, SEED)
     if (ages, seed) == (ages_months, manifest.seed):
@@ -139,12 +104,7 @@ def find_variant(
 def variant_of_state(
     variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: Any
 ) -> Variant | None:
-    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`.
-
-    Raises:
-        ValueError: If this environment cannot make them.
-        MimocError: If there are no such infants.
-    """
+    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`."""
     if checked_seed(seed, SEED) != manifest.seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {seed}, but this environment has {manifest.seed} and was not made from a spec, so it"
@@ -165,11 +125,7 @@ def sees_skin(manifest: Manifest) -> bool:
 
 
 def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
-    """Check that two models have the same parts, so that one can take over the state of the other.
-
-    Raises:
-        MimocError: If they have not.
-    """
+    """Check that two models have the same parts, so that one can take over the state of the other."""
     if _parts(former) != _parts(model):
         raise MimocError(
             "the infant has other parts at this age, so it cannot grow in the midst of an episode; reset it with the"
@@ -178,12 +134,7 @@ def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
 
 
 def carry_on(former: Sequence[Binding], now: Sequence[Binding]) -> None:
-    """Let infants that have just been bound go on where they were at other ages, with the signals on their way.
-
-    Args:
-        former: The infants at the ages before.
-        now: The same infants at their new ages, which have not been started.
-    """
+    """Let infants that have just been bound go on where they were at other ages, with the signals on their way."""
     carry_body(former, now)
     for before, after in zip(former, now, strict=True):
         after.schedule.carry_on(before.schedule, after.data)
@@ -210,7 +161,6 @@ def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
 
 
 def _age(age_months: Any) -> float:
-    """Return an age as files have it."""
     if isinstance(age_months, bool) or not isinstance(age_months, Real) or not _is_age(age_months):
         raise ValueError(f"expected an age from 0 to {OLDEST_MONTHS:g} months, got {age_months!r}")
     return rounded(float(age_months))

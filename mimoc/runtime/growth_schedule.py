@@ -30,9 +30,7 @@ class GrowthSchedule:
     """Ages one after another, each for equally many control steps; the last one stays."""
 
     ages_months: tuple[float, ...]
-    """The age of each stage."""
     steps: int
-    """Control steps of all stages together."""
 
     def __call__(self, steps_done: int) -> float:
         """Return the age, in months, after a number of control steps."""
@@ -82,11 +80,7 @@ def growth_schedule(
 
 
 def read_ages(text: str) -> tuple[float, float]:
-    """Return the youngest and the oldest age, in months, that a text such as `6:12` gives.
-
-    Raises:
-        MimocError: If it gives none.
-    """
+    """Return the youngest and the oldest age, in months, that a text such as `6:12` gives."""
     try:
         youngest, oldest = (float(age) for age in text.split(":"))
         _stages((youngest, oldest), STAGE_MONTHS)
@@ -96,7 +90,6 @@ def read_ages(text: str) -> tuple[float, float]:
 
 
 def _stages(ages_months: Sequence[float], stage_months: float) -> list[float]:
-    """Return the ages from the youngest to the oldest."""
     if len(ages_months) != 2 or not 0 <= ages_months[0] < ages_months[1] <= OLDEST_MONTHS:
         given = ":".join(f"{age:g}" for age in ages_months)
         raise MimocError(

@@ -61,7 +61,6 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         infant: Any = env.unwrapped
         self._infant, self._schedule = infant, schedule
         self.steps_done = 0
-        """Control steps taken so far."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode at the age that is due, unless the option `age_months` gives another.

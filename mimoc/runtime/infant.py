@@ -40,7 +40,6 @@ from mimoc.runtime.voice import Voice
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 PHYSICS, AGE, STEPS, RANDOM = "physics", "age_months", "steps", "random"
-"""Names in a state."""
 Judged = tuple[float, bool, bool, dict[str, Any]]
 """Reward, terminated, truncated and info of a control step."""
 
@@ -50,11 +49,11 @@ class Custom:
     """Objects of a script for one infant."""
 
     task: Any = None
-    """Replaces the bundle's task; see `tasks.task.Task`."""
+    """Replaces the bundle's task; see `mimoc.runtime.task`."""
     senses: Mapping[str, Any] = field(default_factory=dict)
-    """Are added to the bundle's senses, by name; see `senses.custom.CustomSense`."""
+    """Are added to the bundle's senses, by name; see `mimoc.runtime.custom_sense`."""
     companions: Mapping[str, Any] = field(default_factory=dict)
-    """Act in its world as well, by name; see `companions.companion.Companion`."""
+    """Act in its world as well, by name; see `mimoc.Companion`."""
 
     @classmethod
     def checked(cls, task: Any, senses: Any, companions: Any) -> "Custom":
@@ -98,14 +97,12 @@ class Infant:
     """The `Simulation` that it is in."""
     bundle: Bundle
     render_mode: Any = None
-    """Gymnasium's render mode of its simulation."""
     observer: Observer = NO_OBSERVER
     noise: NoiseStreams
     """Random numbers of noise, jitter and companions, by channel."""
     random: np.random.Generator
     """Random numbers of its task."""
     steps = 0
-    """Control steps of this episode so far."""
     action_space: Any
     """The space of its actions: one command for each of its commanded actuators."""
     observation_space: Any
@@ -116,7 +113,6 @@ class Infant:
     _custom = Custom()
 
     def __init__(self, custom: Custom):
-        """Prepare an infant for a simulation, which binds it."""
         self._custom = custom
         self.random, seed = np_random()
         self.noise = NoiseStreams(seed)
@@ -346,11 +342,7 @@ class Infant:
         self.task.start(self.data, self.random if chance is None else chance)
 
     def start_signals(self) -> None:
-        """Let companions begin, and forget all signals, in a state that an episode starts from.
-
-        Raises:
-            KindError: If a sense or the task does not observe what it says.
-        """
+        """Let companions begin, and forget all signals, in a state that an episode starts from."""
         self.companions.reset(self.data)
         self.schedule.reset(self.data)
         self.task.check_observation()
@@ -360,11 +352,7 @@ class Infant:
         return {**self._binding.schedule.observe(), **self._binding.task.observe()}
 
     def judge(self, action: npt.NDArray[Any], *, unstable: bool) -> Judged:
-        """Count a control step that has been made: return reward, terminated, truncated and info.
-
-        Raises:
-            KindError: If the task's reward is no finite number, or its first judgement is none.
-        """
+        """Count a control step that has been made: return reward, terminated, truncated and info."""
         self.steps += 1
         bound = self._binding
         task, verdict, reward = bound.task, NO_REWARD, 0.0
@@ -407,11 +395,7 @@ class Infant:
 
     @contextmanager
     def checked(self, state: Any, valid: Mapping[str, Any]) -> Iterator[None]:
-        """Restore a state within that can be that of this infant, the physics included; *valid* is one that is.
-
-        Raises:
-            ValueError: If it cannot be, or cannot be restored; the message says where.
-        """
+        """Restore a state within that can be that of this infant, the physics included; *valid* is one that is."""
         try:
             check_form(state, _lasting(valid))
             self.schedule.check(state["signals"], time_of(state[PHYSICS]))

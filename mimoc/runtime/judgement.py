@@ -77,11 +77,7 @@ class Judging(Protocol):
 
 
 def reward_of(judgement: Judgement, task: Judging) -> float:
-    """Return the reward of one infant as a number, after every control step.
-
-    Raises:
-        KindError: If it is no finite number; it names the class of the task, and the term.
-    """
+    """Return the reward of one infant as a number, after every control step."""
     try:
         reward = float(judgement.reward)
         if math.isfinite(reward):
@@ -93,11 +89,7 @@ def reward_of(judgement: Judgement, task: Judging) -> float:
 
 
 def check_judgement(judgement: Judgement, task: Judging) -> None:
-    """Check what a task says of one infant.
-
-    Raises:
-        KindError: If a term of the reward is no finite number, or it is not said whether an episode ends.
-    """
+    """Check what a task says of one infant."""
     if not isinstance(judgement, Judgement) or not isinstance(judgement.reward_terms, Mapping):
         raise KindError(f"{_named(task)}: its judgement is {told(judgement)}; {EXPECTED}")
     for name, value in judgement.reward_terms.items():
@@ -111,18 +103,7 @@ def check_judgement(judgement: Judgement, task: Judging) -> None:
 def check_term_judgement(
     judgement: Any, term: object, infants: int, memory: Mapping[str, Any], changeable: Collection[str]
 ) -> None:
-    """Check what a term says of some infants, by its shapes alone, so that nothing waits for a device.
-
-    Args:
-        judgement: What it returned.
-        term: The term.
-        infants: How many there are.
-        memory: What its task remembers of them, by name, shape (infants, ...).
-        changeable: Names of the fields of the model that its task declares.
-
-    Raises:
-        KindError: If arrays have not a row for each infant, or the task does not know what is remembered or changed.
-    """
+    """Check what a term says of some infants, by its shapes alone, so that nothing waits for a device."""
     what = f"the term {class_name(term)}"
     if not isinstance(judgement, Judgement) or not isinstance(judgement.reward_terms, Mapping):
         raise KindError(f"{what}: its judgement is {told(judgement)}; expected a mimoc.Judgement")

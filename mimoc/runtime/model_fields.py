@@ -37,7 +37,6 @@ class ModelFields:
     """All that episodes change in a model."""
 
     def __init__(self, model: mujoco.MjModel, fields: Iterable[ModelField]):
-        """Find the arrays in *model*, in which no episode has changed anything yet."""
         self._model, self._fields = model, tuple(fields)
         self._arrays = [(getattr(model, field.name), field.rows) for field in self._fields]
         self._as_built = self.state

@@ -80,9 +80,6 @@ class Objects:
             start: Puts a state into the keyframe and the poses that the episode starts from.
             moves: Where they are to be.
             earlier: Where others have been put before.
-
-        Raises:
-            ValueError: If one would be inside of anything, or there is no such place.
         """
         if not moves:
             return {}
@@ -110,7 +107,6 @@ class Objects:
             getattr(self._model, name)[rows] = arrays[name]
 
     def _put(self, name: str, pose: Pose, data: mujoco.MjData) -> None:
-        """Put an object somewhere: into the state if it is free, else into the model."""
         body, (pos_m, quat) = self._bodies[name], pose
         if name in self._free:
             address = self._free[name]
@@ -119,7 +115,6 @@ class Objects:
             self._model.body_pos[body], self._model.body_quat[body] = pos_m, quat
 
     def _pose(self, name: str, move: Move, data: mujoco.MjData) -> Pose:
-        """Return where an object is put in a state whose kinematics have been computed."""
         entry, body = self._entries[name], self._bodies[name]
         w, x, y, z = data.xquat[body].tolist()
         if isinstance(move, NewPlace):
@@ -132,7 +127,6 @@ class Objects:
         return place_m, (w, x, y, z)
 
     def _on(self, name: str, other: str, data: mujoco.MjData) -> FloatArray:
-        """Return the place of an object on the middle of another one."""
         below = self._entries.get(other)
         if below is None or below.surface_m is None or other == name:
             raise ValueError(f"object '{name}': there is no object '{other}' with a level top to lie on")

@@ -18,11 +18,7 @@ KINDS = {"f": "real", "i": "whole", "u": "whole", "b": "truth"}
 
 
 def check_sense(name: str, sense: Sense, sample: Any) -> None:
-    """Check a first sample of a sense, with what its organ and its noise make of it, and what is observed of that.
-
-    Raises:
-        KindError: If they are not as the sense says.
-    """
+    """Check a first sample of a sense, with what its organ and its noise make of it, and what is observed of that."""
     what = f"sense '{name}' ({sense.class_name})"
     if isinstance(sense, Vector):
         check_numbers(f"{what}: its sample", sample, (len(sense.layout),), np.float64)
@@ -30,11 +26,7 @@ def check_sense(name: str, sense: Sense, sample: Any) -> None:
 
 
 def check_observation(what: str, observed: Any, spaces: Mapping[str, Space[Any]]) -> None:
-    """Check what a sense or a task observes; *what* names it with its class.
-
-    Raises:
-        KindError: If arrays are missing, or have not the shape and the type of their spaces.
-    """
+    """Check what a sense or a task observes; *what* names it with its class."""
     if not isinstance(observed, Mapping) or observed.keys() != spaces.keys():
         given = ", ".join(map(str, observed)) if isinstance(observed, Mapping) else f"{observed!r:.60}"
         raise KindError(f"{what}: observe() returns {given or 'nothing'}; expected {', '.join(spaces) or 'nothing'}")
@@ -48,21 +40,13 @@ def check_observation(what: str, observed: Any, spaces: Mapping[str, Space[Any]]
 
 
 def check_rows(what: str, given: Any, infants: int) -> None:
-    """Check that something is an array with a row for each infant.
-
-    Raises:
-        KindError: If it is not.
-    """
+    """Check that something is an array with a row for each infant."""
     if np.shape(given)[:1] != (infants,):
         raise KindError(f"{what} returns {told(given)}; expected an array of shape ({infants}, ...): one row an infant")
 
 
 def check_numbers(what: str, given: Any, shape: tuple[int, ...], dtype: Any, *, exactly: bool = False) -> None:
-    """Check that something is an array of a shape, and of a type, or unless *exactly* of another precision of it.
-
-    Raises:
-        KindError: If it is not, or it has a NaN.
-    """
+    """Check that something is an array of a shape, and of a type, or unless *exactly* of another precision of it."""
     dtype, expected = np.dtype(dtype), f"expected an array of {np.dtype(dtype)}, shape {shape}"
     try:
         array = np.asarray(given)

@@ -19,19 +19,7 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 def bind_senses(
     bundle: Bundle, model: mujoco.MjModel, former: Mapping[str, Sense] = NONE, custom: Mapping[str, Any] = NONE
 ) -> dict[str, Sense]:
-    """Return the senses of an infant by name; one that has none observes nothing.
-
-    Args:
-        bundle: The infant.
-        model: Its model.
-        former: Its senses in the scene or at the age that it had before; they are kept where they can be, or closed.
-        custom: Objects to sense with besides, by name; see `CustomSense`.
-
-    Raises:
-        KindError: If two senses have the same name, or give the observation arrays of the same name; or if an object
-            cannot be a sense.
-        RenderingError: If it sees, and there is no OpenGL here.
-    """
+    """Return the senses of an infant by name; one that has none observes nothing."""
     entries = dict(bundle.manifest.senses)
     kept = {name: sense for name, sense in former.items() if sense.rebind(entries.get(name), model)}
     for name in former.keys() - kept.keys():

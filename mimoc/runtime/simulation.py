@@ -30,9 +30,7 @@ from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.spaces import check_same_space
 
 INFANTS, BEFORE = "infants", "before"
-"""Names in a state."""
 Stepped = tuple[Observation, float, bool, bool, dict[str, Any]]
-"""Observation, reward, terminated, truncated and info of an infant."""
 AgeSchedule = Callable[[int], float]
 """From the control steps that were taken so far to an age in months."""
 
@@ -42,7 +40,6 @@ class Pictures:
     """How a simulation shows itself."""
 
     mode: str | None = None
-    """Gymnasium's render mode."""
     width_px: int = 480
     height_px: int = 480
 
@@ -73,15 +70,10 @@ class Simulation:
             variants: Makes the same infants at other ages and in other scenes; see `bundle.variants`.
             pictures: How it shows itself.
             draws: Whether anything draws the infants, so that a model needs the skins of their ages.
-
-        Raises:
-            KindError: If an object of a script is none of its kind.
-            RenderingError: If vision or the pictures need OpenGL or a screen that is not available.
         """
         self._variant, self._variants, self._draws = variant, variants, draws
         self.infants: Mapping[str, Infant] = MappingProxyType(dict(infants))
         self.schedules: Mapping[str, AgeSchedule] = NOTHING
-        """The schedules of growth of some infants."""
         self.steps_done = 0
         """Control steps taken so far, in all episodes, by which infants with schedules grow."""
         self._pictures = pictures or Pictures()
@@ -166,11 +158,7 @@ class Simulation:
         return {name: self._was_reset(infant, seeds.get(name), given[name]) for name, infant in self.infants.items()}
 
     def step(self, actions: Mapping[str, Any]) -> dict[str, Stepped]:
-        """Make one control step; infants without an action command nothing, and their episodes do not go on.
-
-        Raises:
-            ValueError: If an action has the wrong shape or is not finite; nothing has changed then.
-        """
+        """Make one control step; infants without an action command nothing, and their episodes do not go on."""
         if self.schedules:
             self.grow_as_scheduled()
         controls, data = self._controls(actions), self.data
@@ -195,27 +183,17 @@ class Simulation:
         return stepped
 
     def _controls(self, actions: Mapping[str, Any]) -> dict[str, FloatArray]:
-        """Return the controls of all infants' actions; those without one command nothing."""
         if len(actions) < len(self.infants):
             actions = {**{name: infant.rest for name, infant in self.infants.items()}, **actions}
         return {name: schedule.controls(actions[name], self.data) for name, schedule in self._schedules.items()}
 
     def grow_as_scheduled(self) -> None:
-        """Let infants have the ages that their schedules say, if these are others.
-
-        Raises:
-            MimocError: If there is no such infant.
-        """
+        """Let infants have the ages that their schedules say, if these are others."""
         if self.schedules and (due := self._due()):
             self.grow(due)
 
     def grow(self, ages_months: Mapping[str, float]) -> None:
-        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`.
-
-        Raises:
-            ValueError: If one is no age from 0 to 24 months.
-            MimocError: If there is no such infant, or nothing can make it; nothing has changed then.
-        """
+        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`."""
         variant = self._find(ages_months)
         if variant is None:
             return
@@ -282,11 +260,7 @@ class Simulation:
             infant.observer.restored()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
-        """Return a picture of all infants, shape (height, width, 3), in render mode `rgb_array`, otherwise None.
-
-        Raises:
-            RenderingError: If OpenGL is not available.
-        """
+        """Return a picture of all infants, shape (height, width, 3), in render mode `rgb_array`, otherwise None."""
         return self.renderer.render()
 
     def close(self) -> None:
@@ -372,7 +346,6 @@ class Simulation:
     # Episodes.
 
     def _options(self, name: str, options: Any) -> dict[str, Any]:
-        """Return the options of a reset for an infant, its age by schedule included."""
         due = self._due().get(name) if self.schedules else None
         checked = growing.checked_options(options, self._variants, self.infants[name])
         return checked if due is None else {AGE: due, **checked}
@@ -419,7 +392,6 @@ class Simulation:
             infant.start_signals()
 
     def _check_apart(self) -> None:
-        """Raise a MimocError if infants are within each other."""
         roots = [infant.manifest.root_body for infant in self.infants.values()]
         if depths := overlaps(self.bare, self.data, roots):
             first, second = ([*self.infants][index] for index in next(iter(depths)))

@@ -38,11 +38,7 @@ def with_limit(spec: EnvSpec | None, *limits: int | None) -> EnvSpec | None:
 
 
 def check_same_space(wanted: Any, given: Dict) -> None:
-    """Check that observations have kept their space.
-
-    Raises:
-        MimocError: If they have not; the error names one that changed.
-    """
+    """Check that observations have kept their space."""
     for name in sorted(wanted.keys() | given.keys()):
         if wanted.get(name) != given.get(name):
             raise MimocError(f"the space of the observation '{name}' changes with age or scene; it must not")

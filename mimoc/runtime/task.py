@@ -148,11 +148,7 @@ class Task:
         return {name: np.array(self._rows[name][0], space.dtype) for name, space in self.spaces.items()}
 
     def check_observation(self) -> None:
-        """Check what it observes when its first episode starts.
-
-        Raises:
-            KindError: If it is not as its `spaces` say.
-        """
+        """Check what it observes when its first episode starts."""
         if not self._is_observed:
             try:
                 observed = self.observe()
@@ -244,11 +240,7 @@ class SquaredCommands(Term):
 
 
 def bind_task(bundle: Bundle, model: mujoco.MjModel, custom: Any = None) -> Task:
-    """Return the task of a bundle, or an object that replaces it, with its names looked up in *model*.
-
-    Raises:
-        KindError: If the object is a class, or has no `judge`.
-    """
+    """Return the task of a bundle, or an object that replaces it, with its names looked up in *model*."""
     if custom is not None:
         return CustomTask(custom, model, bundle)
     entry = bundle.manifest.task
@@ -266,11 +258,7 @@ class CustomTask(Task):
     """
 
     def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
-        """Bind the object to a model.
-
-        Raises:
-            KindError: If it is a class, has no `judge`, or limits episodes to no whole number of steps.
-        """
+        """Bind the object to a model."""
         check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)

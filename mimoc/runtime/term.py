@@ -135,7 +135,6 @@ def _fields(terms: Sequence[Term]) -> dict[str, list[Any]]:
 
 
 def _stacked(values: Sequence[Any], put: Put) -> Any:
-    """Return a field of k infants from that of each."""
     first = values[0]
     if isinstance(first, Term):
         return stack_terms(values, put)

@@ -100,11 +100,7 @@ def _check_torch(terms: list[Term], datas: list[mujoco.MjData], args: Any, expec
 
 
 def _call(terms: list[Term], worlds: Worlds, args: Any, library: str, put: Put) -> dict[str, Any]:
-    """Return the arrays that the term of some infants gives, by name.
-
-    Raises:
-        TermError: If it fails.
-    """
+    """Return the arrays that the term of some infants gives, by name."""
     try:
         return dict(_arrays(RESULT, stack_terms(terms, put)(worlds, *args)))
     except Exception as error:
@@ -113,7 +109,6 @@ def _call(terms: list[Term], worlds: Worlds, args: Any, library: str, put: Put) 
 
 
 def _states(model: mujoco.MjModel) -> list[mujoco.MjData]:
-    """Return seven different states of a model."""
     generator, datas = np.random.default_rng(0), list[mujoco.MjData]()
     for index in range(INFANTS):
         data = mujoco.MjData(model)

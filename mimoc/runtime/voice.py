@@ -21,7 +21,6 @@ class Voice:
     """
 
     def __init__(self, entry: VoiceEntry):
-        """Be silent at first."""
         self.entry = entry
         self.reset()
 

@@ -25,7 +25,6 @@ from mimoc.runtime.simulation import AgeSchedule, Pictures, Simulation
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 Observations = dict[str, Observation]
-"""What each infant observes, by name."""
 Infos = dict[str, dict[str, Any]]
 Stepped = tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]
 AGENTS = "agents"
@@ -64,8 +63,8 @@ class WorldEnv:
             render_mode: `human` for a window that is updated at every step, `rgb_array` for images from `render()`.
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
-            tasks: By infant, an object that replaces its task; see `tasks.task.CustomTask`.
-            senses: By infant, objects that are added to its senses, by name; see `senses.custom.CustomSense`.
+            tasks: By infant, an object that replaces its task; see `mimoc.runtime.task`.
+            senses: By infant, objects that are added to its senses, by name; see `mimoc.runtime.custom_sense`.
             companions: By infant, objects that act in the world as well, by name; see `mimoc.Companion`.
             variants: Makes the same infants at other ages and in other scenes, for `grow` and `reset`.
 
@@ -281,7 +280,6 @@ class WorldEnv:
         self.simulation = Simulation.again(simulation, infants)
 
     def _split(self, options: dict[str, Any]) -> tuple[dict[str, Any], int | None]:
-        """Return the options of a reset by infant, and the seed of the scene."""
         names, variants = self.possible_agents, self.simulation.variants
         known = [OBJECTS] if self.bundle.manifest.objects else []
         known += [SEED] if variants and variants.has_other_scenes else []
@@ -298,5 +296,4 @@ class WorldEnv:
         return of_infants, options.get(SEED)
 
     def _observe(self) -> Observations:
-        """Return what the agents observe."""
         return {name: self.infants[name].observe() for name in self.agents}

@@ -50,11 +50,7 @@ class Worlds:
         self.xp, self._read, self._pressing, self._loads = xp, read, pressing, loads
 
     def __getattr__(self, field: str) -> Any:
-        """Return a field of `MjData`, which is read once.
-
-        Raises:
-            AttributeError: If there is no such field.
-        """
+        """Return a field of `MjData`, which is read once."""
         if field.startswith("_"):
             raise AttributeError(field)
         array = self._read(field)

@@ -26,7 +26,6 @@ _POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": S
 
 
 Modules = Mapping[str, Any]
-"""Networks and optimisers, by name."""
 
 
 def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:
@@ -134,7 +133,6 @@ ADAM = ("step", "exp_avg", "exp_avg_sq")
 
 
 def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Mapping[str, np.ndarray]) -> None:
-    """Restore what an optimiser knows of its parameters; its settings stay."""
     parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
     known = {number: part for number, part in enumerate(parameters) if f"{number}/{ADAM[0]}" in saved}
     shapes = {f"{number}/{key}": () if key == "step" else part.shape for number, part in known.items() for key in ADAM}

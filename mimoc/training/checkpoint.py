@@ -37,9 +37,7 @@ class Progress:
     """Progress of a training run."""
 
     steps: int = 0
-    """Control steps trained for, summed over all environments."""
     wall_s: float = 0.0
-    """Wall time of the training so far."""
     curve: Curve = field(default_factory=Curve)
 
 
@@ -63,11 +61,7 @@ def pack(agent: BaseAlgorithm, env: VecNormalize, progress: Progress) -> bytes:
 
 
 def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress:
-    """Restore an agent and its environment from a checkpoint file; return the progress at that point.
-
-    Raises:
-        TrainingError: If the file is damaged or belongs to another agent.
-    """
+    """Restore an agent and its environment from a checkpoint file; return the progress at that point."""
     with _opened(content) as archive:
         progress = _progress(archive)
         restore_agent(agent, unpack_arrays(archive.content(WEIGHTS)))
@@ -88,11 +82,7 @@ def pack_modules(modules: Modules, progress: Progress) -> bytes:
 
 
 def restore_modules(content: bytes, modules: Modules) -> Progress:
-    """Restore what `pack_modules` has packed; return the progress at that point.
-
-    Raises:
-        TrainingError: If the file is damaged or belongs to other networks.
-    """
+    """Restore what `pack_modules` has packed; return the progress at that point."""
     with _opened(content) as archive:
         restore_state(modules, unpack_arrays(archive.content(WEIGHTS)))
         return _progress(archive)
@@ -106,7 +96,6 @@ def read_progress(content: bytes) -> Progress:
 
 @contextmanager
 def _opened(content: bytes) -> Iterator[Archive]:
-    """Open a checkpoint file; whatever is wrong with it is one clear line."""
     try:
         archive = Archive(content)
         if OF_TORCH not in archive.namelist():
@@ -128,7 +117,6 @@ def _progress(archive: Archive) -> Progress:
 
 
 def _replay(buffer: DictReplayBuffer) -> dict[str, np.ndarray]:
-    """Return the used part of a replay buffer."""
     used = buffer.buffer_size if buffer.full else buffer.pos
     arrays = {name: getattr(buffer, name)[:used] for name in _VECTORS}
     for kind in _DICTIONARIES:

@@ -20,7 +20,6 @@ class FinishedEpisode:
 
     total_reward: float
     steps: int
-    """Control steps."""
     success: bool
 
 
@@ -30,7 +29,6 @@ class UnfinishedEpisode:
 
     reward_so_far: float
     steps: int
-    """Control steps so far."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -242,7 +242,6 @@ def make_ppo(env: InfantRslEnv | Share, settings: TrainingSettings) -> PPO:
 def _model(
     observation: TensorDict, hyper: "dict[str, Number] | Any", outputs: int, distribution: dict[str, Any] | None
 ) -> MLPModel:
-    """Return a network of the observations, which it normalises."""
     hidden = [int(hyper["width"])] * int(hyper["layers"])
     model = MLPModel(observation, {"set": [GROUP]}, "set", outputs, hidden, "elu", True, distribution)
     floor, clip = hyper["observation_floor"], hyper["observation_clip"]

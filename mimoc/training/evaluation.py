@@ -21,15 +21,12 @@ class Episode:
     """The outcome of one episode of one infant."""
 
     seed: int
-    """Seed of its reset."""
     steps: int
-    """Number of control steps."""
     duration_s: float
     """Duration in simulated time; the time to success if the episode was successful."""
     total_reward: float
     """The return: the sum of all rewards."""
     success: bool
-    """Whether the goal was reached."""
     path_m: FloatArray | None
     """Positions of the tracked body at the start and after each control step, shape (steps + 1, 3), world frame."""
 
@@ -121,7 +118,6 @@ class _Gathered:
 
 
 def _body(infant: Infant, name: str) -> str:
-    """Return the name in the model of a body of an infant, or of what is around it."""
     model, of_infant = infant.model, infant.manifest.of_infant
     names = [model.body(index).name for index in range(model.nbody)]
     bodies = {of_infant(body): body for body in names}

@@ -26,11 +26,8 @@ class Wish:
     """A training that is wished for."""
 
     source: Bundle | InfantSpec
-    """The infant."""
     out: Path
-    """Folder of the training run."""
     seed: int = 0
-    """Random seed."""
 
 
 def train_together(
@@ -95,7 +92,6 @@ class _Run:
     """Its infants on the device; None if it is finished."""
 
     def session(self, report: Callable[[], None]) -> Session:
-        """Return what it needs from its first interval to its last."""
 
         def count(done: int, _: int) -> None:
             self.done = done
@@ -111,7 +107,6 @@ class _Run:
 
 @contextmanager
 def _opened(wish: Wish, device: str, choose: Callable[..., TrainingSettings]) -> Iterator[_Run]:
-    """Open the folder and the infant of a training."""
     bundle = pipeline.compiled(wish.source)
     open_one = partial(open_copy, open_variant(bundle))
     with closing(open_one()) as infant:

@@ -15,7 +15,6 @@ class DeviceUse:
     """What a training has taken of a device."""
 
     device: str
-    """Its name, as in `NVIDIA H100 (cuda:0)`."""
     control_steps_per_s: float
     """Control steps of all infants together, learning included."""
     physics_steps_per_s: float

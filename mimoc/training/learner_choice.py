@@ -57,11 +57,7 @@ ONLY_ON_CPU = {
 
 
 def refuse_in_world(device: str, processes: bool | None) -> None:
-    """Check that nothing is asked for that worlds of several infants cannot have in a training.
-
-    Raises:
-        TrainingError: If something is.
-    """
+    """Check that nothing is asked for that worlds of several infants cannot have in a training."""
     if device != CPU:
         raise TrainingError("worlds with several infants are simulated on the CPU; leave out --device")
     if processes is not None:
@@ -69,13 +65,7 @@ def refuse_in_world(device: str, processes: bool | None) -> None:
 
 
 def refuse_on_device(device: str, **options: Any) -> None:
-    """Check that a device is there, and that nothing is asked for that cannot be on one.
-
-    Raises:
-        TrainingError: If something is.
-        DeviceError: If there is no such device.
-        MissingExtraError: If MuJoCo Warp or rsl_rl is not installed.
-    """
+    """Check that a device is there, and that nothing is asked for that cannot be on one."""
     if device == CPU:
         return
     for name, value in options.items():

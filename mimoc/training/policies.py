@@ -106,7 +106,6 @@ def _bind(
     weights: Mapping[str, np.ndarray],
     env: Infant,
 ) -> Policy:
-    """Return the policy for an environment; raise a PolicyError if it does not fit."""
     check_fits(path, about, interface_of(env))
     scale = dict[str, tuple[np.ndarray, np.ndarray]]()
     try:

@@ -44,11 +44,7 @@ class InfantRslEnv(VecEnv):
     """
 
     def __init__(self, infants: DeviceEnv, seed: int = 0):
-        """Give infants to rsl_rl, and reset them with a seed; closing them stays with the caller.
-
-        Raises:
-            MimocError: If they are not reset in the same step, their arrays are not torch's, or they see images.
-        """
+        """Give infants to rsl_rl, and reset them with a seed; closing them stays with the caller."""
         if infants.autoreset_mode != AutoresetMode.SAME_STEP or infants.arrays != "torch":
             raise MimocError("rsl_rl needs infants made with arrays='torch' and autoreset_mode='SameStep'")
         check_plain(infants.single_observation_space)

@@ -70,11 +70,7 @@ class RunFolder:
 
 
 def read_training_run(path: Path) -> tuple[RunFile, Curve]:
-    """Return what is in the folder of a training run, which may still be going on; the curve may be empty yet.
-
-    Raises:
-        TrainingError: If it is not such a folder, or its files are damaged.
-    """
+    """Return what is in the folder of a training run, which may still be going on; the curve may be empty yet."""
     run = _read_run(path)
     if run is None:
         raise TrainingError(f"{path}: not the folder of a training run; name one written by 'mimoc train -o'")
@@ -86,11 +82,7 @@ def read_training_run(path: Path) -> tuple[RunFile, Curve]:
 
 
 def read_run_bundle(path: Path) -> AnyBundle:
-    """Return the infant or the world of the training run in a folder.
-
-    Raises:
-        BundleError: If it is damaged or a link.
-    """
+    """Return the infant or the world of the training run in a folder."""
     try:
         place = check_unlinked(path / BUNDLE, below=path)
         return read_world_bundle(place) if is_world_folder(place) else read_bundle(place)
@@ -140,7 +132,6 @@ def open_run_folder(
 
 
 def _check_is_run_folder(path: Path) -> None:
-    """Raise a TrainingError for a file, and for a folder with other content."""
     if os.path.lexists(path) and not path.is_dir():
         raise TrainingError(f"{path}: this is a file; name a new folder")
     try:
@@ -177,7 +168,6 @@ def _leftovers(folder: Path) -> list[Path]:
 
 
 def _clear(path: Path) -> None:
-    """Remove a training run; raise an OutputError if something in it cannot be removed."""
     files = [path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)]
     try:
         for file in (*files, *(path / CHECKPOINTS).glob("*.zip")):

@@ -80,11 +80,7 @@ infant, one that follows the KL divergence is unstable. An update has `n_epochs`
 
 
 def hyperparameters_of(algo: str, device: str = CPU) -> Mapping[str, Hyperparameter]:
-    """Return the hyperparameters of an algorithm, by name.
-
-    Raises:
-        UnknownNameError: If there is no such algorithm on the device.
-    """
+    """Return the hyperparameters of an algorithm, by name."""
     tables = HYPERPARAMETERS if device == CPU else DEVICE_HYPERPARAMETERS
     if algo not in tables:
         raise UnknownNameError("learning algorithm" + ("" if device == CPU else " on a device"), algo, tables)
@@ -92,12 +88,7 @@ def hyperparameters_of(algo: str, device: str = CPU) -> Mapping[str, Hyperparame
 
 
 def complete(algo: str, chosen: Mapping[str, Number], device: str = CPU) -> dict[str, Number]:
-    """Return all hyperparameters of an algorithm, with defaults for those that were not chosen.
-
-    Raises:
-        UnknownNameError: If there is no such algorithm, or it has no such hyperparameter.
-        TrainingError: If a value is out of range.
-    """
+    """Return all hyperparameters of an algorithm, with defaults for those that were not chosen."""
     known = hyperparameters_of(algo, device)
     for name in chosen.keys() - known.keys():
         raise UnknownNameError(f"hyperparameter of {algo}", name, known)
@@ -112,12 +103,7 @@ def complete(algo: str, chosen: Mapping[str, Number], device: str = CPU) -> dict
 
 
 def parse(algo: str, assignments: list[str], device: str = CPU) -> dict[str, Number]:
-    """Return the hyperparameters set by assignments such as `learning_rate=1e-3`.
-
-    Raises:
-        UnknownNameError: If there is no such algorithm, or it has no such hyperparameter.
-        TrainingError: If a text is not an assignment, or a value is out of range.
-    """
+    """Return the hyperparameters set by assignments such as `learning_rate=1e-3`."""
     chosen: dict[str, Number] = {}
     for text in assignments:
         name, _, value = text.partition("=")
@@ -258,7 +244,6 @@ MOST_ON_CPU = 1024
 
 
 def _check_parts(settings: TrainingSettings) -> None:
-    """Check that a rollout has whole parts to learn from."""
     if settings.rollout_steps % (parts := settings.hyper["mini_batches"]):
         raise TrainingError(
             f"a rollout of {settings.rollout_steps} steps (n_steps x envs) has no {parts} equal parts; choose "
@@ -294,9 +279,6 @@ def episode_limit(infant: InfantEnv, chosen: int | None) -> int:
     """Return after how many control steps the episodes of a training end: as was chosen, or as the task says.
 
     If neither says it, it is STEPS_PER_EPISODE, with a warning.
-
-    Raises:
-        TrainingError: If the task ends episodes before that.
     """
     of_task = infant.max_steps
     if of_task is None and chosen is None:

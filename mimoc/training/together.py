@@ -17,9 +17,7 @@ Result = TypeVar("Result")
 class Wanted(Protocol):
     """A control step of some infants that a training waits for."""
 
-    def __await__(self) -> Generator["Wanted", Any, Any]:
-        """Wait for it, and return what comes of the step of all."""
-        ...
+    def __await__(self) -> Generator["Wanted", Any, Any]: ...
 
     def step_with(self, others: Sequence[Any]) -> Any:
         """Make it together with those that other trainings wait for."""
@@ -29,7 +27,6 @@ class _Course:
     """A training that goes on whenever its infants have made a step, with random numbers of torch of its own."""
 
     def __init__(self, coroutine: Coroutine[Wanted, Any, Any]):
-        """Begin with the random numbers that are there."""
         self._coroutine: Any = coroutine
         self._random = _random_states()
         self.wants: Wanted
@@ -74,7 +71,6 @@ def run_together(courses: Sequence[Coroutine[Wanted, Any, Result]]) -> list[Resu
 
 
 def _random_states() -> tuple[torch.Tensor, Sequence[torch.Tensor]]:
-    """Return the states of torch's random numbers on the CPU and, if it is in use, on the GPU."""
     return torch.get_rng_state(), torch.cuda.get_rng_state_all() if torch.cuda.is_initialized() else ()
 
 

@@ -53,12 +53,10 @@ class _Writer(KVWriter):
         self._write, self._end, self._remote, self._works = write, end, remote, True
 
     def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
-        """Keep what can be drawn as a curve."""
         numbers = {name: float(value) for name, value in key_values.items() if hasattr(value, "__float__")}
         self._try(partial(self._write, numbers, step))
 
     def close(self) -> None:
-        """End the run."""
         self._try(self._end)
 
     def _try(self, call: Callable[[], None]) -> None:
@@ -99,21 +97,18 @@ def _remote(name: str, begin: Callable[[], tuple[Callable[..., Any], Callable[..
 
 
 def _wandb(wandb: Any, folder: Path, settings: Mapping[str, Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Begin a run of Weights & Biases, in the project that its variable names."""
     check_unlinked(folder / "wandb", below=folder)  # Where it writes.
     run = wandb.init(dir=str(folder), name=folder.name, config=dict(settings))
     return run.log, run.finish
 
 
 def _mlflow(mlflow: Any, folder: Path, settings: Mapping[str, Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Begin a run of MLflow, at the place that its variable names."""
     mlflow.start_run(run_name=folder.name)
     mlflow.log_params(dict(settings))
     return mlflow.log_metrics, mlflow.end_run
 
 
 def _line(error: Exception) -> str:
-    """Return what an error says, in one line that is not too long."""
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
@@ -127,7 +122,6 @@ class RewardWatch:
     """Warns, once, if the rewards of a training do not change."""
 
     def __init__(self) -> None:
-        """Begin before the first reward."""
         self._first: float | None = None
         self._steps = 0
         self.ended = False
@@ -187,7 +181,6 @@ class Recorder(BaseCallback):
 
     @property
     def _envs(self) -> Any:
-        """The environments, with the attributes of `VecNormalize` and `VecMonitor`."""
         return self.training_env
 
     def _end_row(self) -> None:

@@ -40,9 +40,7 @@ from mimoc.training.vector_env import growth_settings
 
 Source = Bundle | InfantSpec | WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 ProgressCallback = Callable[[int, int], None]
-"""Called with the number of steps done and their total."""
 RowCallback = Callable[[CurvePoint], None]
-"""Called with a new row of the learning curve."""
 
 STEPS = 500_000
 """Training steps in the paper."""
@@ -57,7 +55,6 @@ class Training:
 
     curve: Curve
     policy: Path
-    """File of the trained policy, for `load_policy`."""
     resumed_at: int
     """Control steps at which the run was resumed; 0 if it was not."""
     use: DeviceUse | None = None
@@ -191,7 +188,6 @@ class Session:
 
 
 def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Any]) -> None:
-    """Check that a training can be recorded in a folder, if it is, before anything is written."""
     if folder is None:
         return
     if processes is not None:
@@ -221,7 +217,6 @@ def open_world_copy(
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
-    """Return the class of each object that was passed, as `module:Class`."""
     classes = {f"senses.{name}": type(sense) for name, sense in senses.items()}
     classes |= {} if task is None else {"task": type(task)}
     return {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
@@ -301,7 +296,6 @@ def _plot(progress: Progress) -> bytes:
 
 @contextmanager
 def _naming_checkpoint_of(folder: RunFolder) -> Iterator[None]:
-    """Add the path of the checkpoint to an error."""
     try:
         yield
     except TrainingError as error:

@@ -47,7 +47,6 @@ class InfantVecEnv(DummyVecEnv):
     """
 
     def __init__(self, infants: BatchEnv):
-        """Give infants that are reset in the same step to Stable-Baselines3, which closes them."""
         assert infants.autoreset_mode == RESET_IN_THE_SAME_STEP
         self.infants = infants
         VecEnv.__init__(self, infants.num_envs, infants.single_observation_space, infants.single_action_space)
@@ -129,12 +128,7 @@ GROWN = "grown"
 
 
 def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, steps: int) -> dict[str, Any]:
-    """Return the settings of growth, see `train`: none without a range of ages.
-
-    Raises:
-        MimocError: If this is no range of ages, no schedule, or no number of steps.
-        TrainingError: If there is a schedule or a number of steps without a range of ages.
-    """
+    """Return the settings of growth, see `train`: none without a range of ages."""
     if grow is None:
         if schedule != GROWN or grow_steps is not None:
             name = "schedule" if schedule != GROWN else "grow_steps"

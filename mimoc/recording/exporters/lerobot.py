@@ -68,7 +68,6 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
 
 
 def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
-    """Return the columns of an episode, each of shape (steps,) or (steps, n)."""
     steps = episode.steps
     done = np.zeros(steps, bool)
     done[-1] = True
@@ -104,7 +103,6 @@ def _column(array: Array) -> Any:
 
 
 def _tasks(task: str) -> Any:
-    """Return the table of tasks, with pandas' mark of its index."""
     table = pa.table({"task_index": pa.array([0], pa.int64()), "task": [task]})
     index = {"index_columns": ["task"], "column_indexes": [], "columns": [], "pandas_version": "2.0.0"}
     index["columns"] = [
@@ -115,7 +113,6 @@ def _tasks(task: str) -> Any:
 
 
 def _span(number: int, start: int, episode: Episode, eyes: Sequence[Reading], task: str) -> dict[str, Any]:
-    """Return where an episode is in all files."""
     end, rate = start + episode.steps, episode.described.rate_hz
     place = {"episode_index": number, "tasks": [task], "length": episode.steps}
     place |= {"data/chunk_index": 0, "data/file_index": 0, "dataset_from_index": start, "dataset_to_index": end}
@@ -126,7 +123,6 @@ def _span(number: int, start: int, episode: Episode, eyes: Sequence[Reading], ta
 
 
 def _stats(array: Array) -> dict[str, Any]:
-    """Return extremes, mean and standard deviation of each number, and how many there are."""
     rows = array.reshape(len(array), -1).astype(np.float64)
     return {what: getattr(rows, what)(axis=0).tolist() for what in MOMENTS} | {"count": [len(array)]}
 
@@ -138,7 +134,6 @@ def _picture_stats(pictures: Array) -> dict[str, Any]:
 
 
 def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
-    """Return the same of all episodes together."""
     features: dict[str, Any] = {}
     for name in stats[0]:
         parts = {what: np.array([episode[name][what] for episode in stats]) for what in stats[0][name]}
@@ -185,7 +180,6 @@ def _info(recording: ReadRecording, eyes: Sequence[Reading]) -> dict[str, Any]:
 
 
 def _features(episode: Episode) -> dict[str, Any]:
-    """Return type, shape and names of each column and video."""
     actions = list(episode.layout("action"))
     features: dict[str, Any] = {"action": {"dtype": "float32", "shape": [len(actions)], "names": actions}}
     rate = float(episode.described.rate_hz)

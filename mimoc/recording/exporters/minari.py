@@ -89,7 +89,6 @@ def env_spec_of(bundle: Bundle) -> EnvSpec | None:
 
 
 def _notes_on_environment(recording: ReadRecording, bundle: Bundle) -> Iterator[str]:
-    """Yield what `recover_environment` cannot make again."""
     if bundle.manifest.prefix:
         yield "these infants share a world, whose environment Minari cannot recover"
     elif RESOLVED not in bundle.files:
@@ -99,7 +98,6 @@ def _notes_on_environment(recording: ReadRecording, bundle: Bundle) -> Iterator[
 
 
 def _buffer(episode: Episode) -> dict[str, Any]:
-    """Return the arrays of an episode as Minari names them."""
     truncated = episode.truncated.copy()
     truncated[-1] |= not episode.terminated[-1]
     numbers = {name: episode.column(name) for name in episode.table.column_names if name.startswith(("info.", "term."))}
@@ -126,7 +124,6 @@ def _space(reading: Reading) -> spaces.Box:
 
 @contextmanager
 def _datasets_in(folder: Path) -> Iterator[None]:
-    """Let Minari write into a folder."""
     before = {name: value for name, value in os.environ.items() if name == HOME}
     os.environ[HOME] = str(folder)
     try:

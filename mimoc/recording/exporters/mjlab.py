@@ -75,7 +75,6 @@ class _Film:
         return {**{name: np.stack(rows) for name, rows in self._rows.items()}, **self._names}
 
     def _bind(self, env: Infant) -> None:
-        """Find the infant in a model."""
         model = self._model = env.model
         self._data = mujoco.MjData(model)
         root = model.body_rootid[model.body(env.manifest.root_body).id]

@@ -19,7 +19,6 @@ from mimoc.recording.tables import MEASURE, sparse_of
 Opened = Callable[[Path, Any], Any]
 """Opens a table to be written, given its path without extension and its schema; it has `write_table` and `close`."""
 MOVEMENT, EPISODES = "movement", "episodes"
-"""Names of tables."""
 KEYS = {
     "infant": "which of the infants that were recorded side by side, from 0",
     "episode": "number of the episode of this infant, from 0",
@@ -106,7 +105,6 @@ def _write_movement(recording: ReadRecording, out: Path, open_table: Opened) -> 
 
 
 def _keys(episode: Episode) -> dict[str, Array]:
-    """Return which episode each row is of."""
     return {
         name: np.full(len(episode.step), getattr(episode, "number" if name == "episode" else name))
         for name in ("infant", "episode")
@@ -119,7 +117,6 @@ def _filled(values: Any, kind: Any = None) -> Any:
 
 
 def _entry(column: str) -> dict[str, str]:
-    """Return what the name of a column says of it."""
     if column.startswith(MEASURE) and (quantity := QUANTITIES.get(column.removeprefix(MEASURE))):
         return {"name": column, "unit": quantity.unit, "about": quantity.about, "source": quantity.source or ""}
     of_group = next((text for prefix, text in GROUPS.items() if column.startswith(prefix)), None)

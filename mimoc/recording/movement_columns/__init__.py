@@ -39,11 +39,7 @@ ALL, NO_GROUP = "all", "none"
 
 
 def groups_named(text: str) -> tuple[str, ...]:
-    """Return the groups that a text such as `keypoints,contacts`, `all` or `none` names.
-
-    Raises:
-        UnknownNameError: If there is no such group.
-    """
+    """Return the groups that a text such as `keypoints,contacts`, `all` or `none` names."""
     if text in (ALL, NO_GROUP):
         return tuple(GROUPS) if text == ALL else ()
     return checked_groups([name.strip() for name in text.split(",")])

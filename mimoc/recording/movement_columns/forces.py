@@ -102,7 +102,6 @@ class _Touching:
         return [tuple((keys[start:end] % size).tolist()) for start, end in pairwise(ends)]
 
     def _named(self, pairs: tuple[int, ...]) -> tuple[str, ...]:
-        """Return what each part touches."""
         names = [list[str]() for _ in range(self._count)]
         for pair in pairs:
             part, thing = divmod(pair, len(self._is_fixed))
@@ -111,7 +110,6 @@ class _Touching:
 
 
 def _joined(moments: Sequence[Moment]) -> tuple[Any, FloatArray, IntArray]:
-    """Return the contacts of all times one after the other, all forces, and the time of each contact."""
     fields = {name: np.concatenate([moment[index] for moment in moments]) for index, name in enumerate(_FIELDS)}
     counts, rows = [len(moment[0]) for moment in moments], np.array([len(moment[-1]) for moment in moments])
     first_row, time = np.cumsum(rows) - rows, np.repeat(np.arange(len(moments)), counts)

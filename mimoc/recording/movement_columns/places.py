@@ -151,7 +151,6 @@ _GAZE = (
 
 
 def _bodies_of_parts(parts: Parts) -> dict[str, list[int]]:
-    """Return the bodies of each part whose motion is told, by its name."""
     anatomy, inside = parts.manifest.anatomy, dict[str, list[int]]()
     for name in parts.whole:
         own = parts.manifest.of_infant(name)

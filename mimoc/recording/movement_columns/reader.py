@@ -16,7 +16,6 @@ class Samples:
     """What is kept of some times, until the values of all columns are computed."""
 
     def __init__(self, groups: Sequence[Group], room: int):
-        """Make room for some times."""
         self.groups, self._rows = groups, 0
         self._fields = [field for group in groups for field in group.fields]
         self._flat = [field.reshape(-1) for field in self._fields]  # Views, which show every later state of the data.
@@ -59,9 +58,6 @@ class MovementReader:
         Args:
             env: The infant.
             groups: Names of groups.
-
-        Raises:
-            UnknownNameError: If there is no such group.
         """
         self._env, self._names = env, checked_groups(groups)
         self._bind()

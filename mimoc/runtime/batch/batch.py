@@ -42,7 +42,6 @@ class Plan:
     """How a part of a control step is worked through."""
 
     groups: Sequence[Sequence[int]]
-    """All worlds."""
     samplings: Sequence[Sequence[Sampling]]
     """Senses that are sampled of the infants of each group at its end."""
 
@@ -54,7 +53,6 @@ class Batch:
     """
 
     def __init__(self, simulations: Sequence[Simulation], threads: int | None = None):
-        """Join simulations, which share some threads, or all that this process may use."""
         self.simulations = tuple(simulations)
         self.infants = tuple(infant for world in self.simulations for infant in world.infants.values())
         self.world_of = [number for number, world in enumerate(self.simulations) for _ in world.infants]
@@ -136,7 +134,6 @@ class BatchStep(ControlStep[int]):
         physics: ThreadedPhysics,
         senses: Mapping[str, BatchSense],
     ):
-        """Join the schedules of all infants, which have the same senses and the same control step."""
         datas = dict(enumerate(physics.datas[world] for world in world_of))
         super().__init__(dict(enumerate(infant.schedule for infant in infants)), datas)
         self._accompanied = {row for row, schedule in self._schedules.items() if schedule.companions}

@@ -29,11 +29,7 @@ FINAL = "final_obs"
 
 
 def seeds_of(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:
-    """Return the seed of each infant: infant i gets `seed + i`, or the i-th of a list.
-
-    Raises:
-        ValueError: If a list has another length, or a seed is not a non-negative integer.
-    """
+    """Return the seed of each infant: infant i gets `seed + i`, or the i-th of a list."""
     if seed is None:
         return [None] * count
     if not _is_list(seed):
@@ -48,10 +44,6 @@ def options_of(options: Mapping[str, Any] | None, count: int) -> list[dict[str, 
     """Return the options of each infant.
 
     A value is that of all infants, unless it is a list, tuple or array: then infant i gets the i-th, and none for None.
-
-    Raises:
-        TypeError: If the options are no dictionary.
-        ValueError: If a list has another length.
     """
     options_by_infant: list[dict[str, Any]] = [{} for _ in range(count)]
     for name, value in options_given(options).items():
@@ -72,23 +64,14 @@ def _is_list(value: Any) -> TypeGuard[Sequence[Any]]:
 
 
 def arousals_of(levels: Any, count: int) -> list[float]:
-    """Return the arousal of each infant: the same of all, or the i-th of a list or an array.
-
-    Raises:
-        ValueError: If one is none from 0 to 2, or there is not one for each infant.
-    """
+    """Return the arousal of each infant: the same of all, or the i-th of a list or an array."""
     if np.shape(levels) not in ((), (count,)):
         raise ValueError(f"expected one arousal for all, or {count}, got shape {np.shape(levels)}")
     return [checked_arousal(level) for level in np.broadcast_to(np.asarray(levels, object), count)]
 
 
 def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
-    """Return the infants that are reset: all, or those of the option `reset_mask`, a boolean array of shape (n,).
-
-    Raises:
-        TypeError: If the options are no dictionary.
-        ValueError: If it is anything else, or nothing in it is True.
-    """
+    """Return the infants that are reset: all, or those of the option `reset_mask`, a boolean array of shape (n,)."""
     mask = options_given(options).get(RESET_MASK)
     if mask is None:
         return list(range(count))
@@ -145,11 +128,7 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
             self.observation_space = batch_differing_spaces(list(spaces))
 
     def _checked(self, actions: npt.ArrayLike) -> npt.NDArray[Any]:
-        """Return actions as an array; no infant has moved if those of one are wrong.
-
-        Raises:
-            ValueError: If they are none of numbers, have the wrong shape or are not finite.
-        """
+        """Return actions as an array; no infant has moved if those of one are wrong."""
         actions = numbers_of(actions)
         self._check_shape(actions.shape)
         if not np.isfinite(actions).all():
@@ -166,17 +145,12 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
 
 
 def refuse_ended(ended: npt.NDArray[np.bool_]) -> None:
-    """Refuse a step if an episode has ended, and it is left to the caller to reset the infant.
-
-    Raises:
-        ResetNeeded: If one has.
-    """
+    """Refuse a step if an episode has ended, and it is left to the caller to reset the infant."""
     if ended.any():
         raise ResetNeeded(f"the episodes of infants {np.flatnonzero(ended).tolist()} have ended; reset them")
 
 
 def _union(spaces: Sequence[Any]) -> Space:
-    """Return the space that holds what any of some spaces holds."""
     if not isinstance(spaces[0], Box):
         return spaces[0]
     low, high = np.min([box.low for box in spaces], axis=0), np.max([box.high for box in spaces], axis=0)
@@ -224,11 +198,7 @@ def mixture_error(infants: str, differences: str) -> BatchMismatchError:
 
 
 def check_mixture(infants: Sequence[Infant]) -> None:
-    """Check that all infants can share a batch with the first one.
-
-    Raises:
-        BatchMismatchError: If one cannot; it names what differs.
-    """
+    """Check that all infants can share a batch with the first one."""
     first = _parts(infants[0])
     for number, infant in enumerate(infants):
         parts = _parts(infant)
@@ -243,7 +213,6 @@ def check_mixture(infants: Sequence[Infant]) -> None:
 
 
 def _parts(infant: Infant) -> dict[str, Any]:
-    """Return what must be the same of all infants, by what it is called."""
     manifest = infant.manifest
     arrays: Any = infant.observation_space
     return {
@@ -259,7 +228,6 @@ def _parts(infant: Infant) -> dict[str, Any]:
 
 
 def _difference(ours: Any, theirs: Any) -> str:
-    """Return in a few words how two parts differ."""
     if not (isinstance(ours, tuple) and isinstance(theirs, tuple)):
         return f"{ours or 'none'}, {theirs or 'none'}"
     only = [

@@ -361,7 +361,6 @@ BOUND = {"closed", "_envs", "_renderers", "_batch"}
 
 
 def _restored(kind: type[Opened], kept: dict[str, Any]) -> Opened:
-    """Return the environment that was kept."""
     env = kind.__new__(kind)
     env.__setstate__(kept)
     return env

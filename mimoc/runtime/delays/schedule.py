@@ -51,15 +51,10 @@ class Schedule:
         companions: Companions | None = None,
         voice: Voice | None = None,
     ):
-        """Plan the control step, once, for senses, an actuation and companions that are bound to the model.
-
-        Raises:
-            ValueError: If a delay, its jitter or the control step is not a whole number of physics steps.
-        """
+        """Plan the control step, once, for senses, an actuation and companions that are bound to the model."""
         streams = streams or NoiseStreams(0)
         self._model, self._senses, self._actuation, self._period = model, senses, actuation, timing.period
         self.companions = companions or Companions({}, streams)
-        """What else acts; with any, a control step is cut at every physics step."""
         self._samples = {
             name: timing.samples(name, None if sense.bodies is None else within(model, sense.bodies), streams)
             for name, sense in senses.items()
@@ -82,11 +77,7 @@ class Schedule:
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:
-        """Forget all signals: the samples of now are observed until later ones arrive, and nothing is commanded.
-
-        Raises:
-            KindError: If the first sample of a sense is not what the sense says.
-        """
+        """Forget all signals: the samples of now are observed until later ones arrive, and nothing is commanded."""
         if self._motor_noise:
             self._motor_noise.reset(data)
         for noise in self._noisy.values():
@@ -104,11 +95,7 @@ class Schedule:
             self._voice.reset()
 
     def controls(self, action: npt.ArrayLike, data: mujoco.MjData) -> FloatArray:
-        """Return the controls of an action, and behind them the commands of a voice, if there is one.
-
-        Raises:
-            ValueError: If the action is not one finite number for each of them.
-        """
+        """Return the controls of an action, and behind them the commands of a voice, if there is one."""
         if self._voice is None:
             return self._actuation.controls(action, data)
         numbers = numbers_of(action)
@@ -118,12 +105,7 @@ class Schedule:
         return np.concatenate([self._actuation.controls(numbers[: self._width], data), numbers[self._width :]])
 
     def step(self, action: npt.ArrayLike, data: mujoco.MjData) -> None:
-        """Go through one control step.
-
-        Raises:
-            ValueError: If the action is not one number for each actuator.
-            ModelError: If the physics needs more memory than the model has.
-        """
+        """Go through one control step."""
         for segment in self.begin(self.controls(action, data)):
             self.command(segment, data)
             try:
@@ -210,11 +192,7 @@ class Schedule:
             self._voice.commanded = state["voice"]
 
     def check(self, state: Mapping[str, Any], time_s: float) -> None:
-        """Check the signals on their way in a state, and that no noise was drawn after a time of the simulation [s].
-
-        Raises:
-            ValueError: If they cannot be restored, or a KeyError if a sense is missing.
-        """
+        """Check the signals on their way in a state, and that no noise was drawn after a time of the simulation [s]."""
         for name, delayed in self._samples.items():
             where = f"signals.senses.{name}"
             for line, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):

@@ -34,9 +34,7 @@ class Timing:
     """
 
     step_ms: float
-    """Control step."""
     timestep_ms: float
-    """Physics step."""
     delays: Mapping[str, DelayEntry]
     """By sense, and under `motor` that of commands; a signal that is not named has none."""
     legs: Sequence[str] = ()
@@ -70,11 +68,7 @@ class Timing:
         return [DelayedCommands(delay, self.period, part, numbers) for delay, _ in self._of(MOTOR, None, streams)]
 
     def groups(self, signal: str, within: Within | None) -> list[tuple[str, int, Mask | None]]:
-        """Return the delays of a signal: its name, physics steps, and the numbers that have this delay; None is all.
-
-        Raises:
-            ValueError: If a delay is not a whole number of physics steps.
-        """
+        """Return the delays of a signal: its name, physics steps, and the numbers that have this delay; None is all."""
         delay = self.delays.get(signal, NO_DELAY)
         parts = [(f"{signal}.{part.body}", part.ms, [part.body]) for part in delay.parts]
         if delay.legs_ms is not None:

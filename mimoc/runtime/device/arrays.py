@@ -32,11 +32,7 @@ KINDS: Mapping[str, Callable[[torch.Tensor], Any]] = {
 
 
 def to_library(arrays: str) -> Callable[[torch.Tensor], Any]:
-    """Return what turns a tensor into an array of a library.
-
-    Raises:
-        UnknownNameError: If it is no such library.
-    """
+    """Return what turns a tensor into an array of a library."""
     if arrays not in KINDS:
         raise UnknownNameError("kind of arrays", arrays, KINDS)
     return KINDS[arrays]
@@ -84,16 +80,7 @@ def device_worlds(data: mjw.Data) -> Worlds:
 
 
 def term_of_worlds(what: str, terms: Sequence[Term], body: torch.Tensor) -> Any:
-    """Return the term of all worlds, on Warp's present device.
-
-    Args:
-        what: What it is of, for errors.
-        terms: Of the different bodies.
-        body: Which of them lives in each world, shape (worlds,).
-
-    Raises:
-        MixtureError: If they look at different addresses.
-    """
+    """Return the term of all worlds, on Warp's present device."""
     for number, term in enumerate(terms):
         if field := differing_field([terms[0], term]):
             raise mixture_error(f"0 and {number}", f"the field '{field}' of the term of {what}")

@@ -55,9 +55,6 @@ class WorldsModel:
             models: The different bodies; at least one.
             body_of_world: Which of them lives in each world, shape (worlds,).
             changed: Fields that episodes change, so that each world needs its own even if all bodies agree.
-
-        Raises:
-            WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
         """
         self._source, self._count, self._own = models[0], len(body_of_world), set(changed)
         self._first = _put(models[0])
@@ -68,11 +65,7 @@ class WorldsModel:
         self.write(self.fit(models)[0], np.arange(self._count), body_of_world)
 
     def fit(self, models: Sequence[mujoco.MjModel], changed: Collection[str] = ()) -> tuple[list[mjw.Model], bool]:
-        """Make room for bodies that differ; return MuJoCo Warp's model of each, and whether a field has moved.
-
-        Raises:
-            WorldsError: As at the beginning; nothing has changed then.
-        """
+        """Make room for bodies that differ; return MuJoCo Warp's model of each, and whether a field has moved."""
         put = [_put(model) for model in models]
         new = own_fields([self._first, *put]).union(changed) - self._own
         if new:
@@ -118,11 +111,7 @@ def place_fixed(data: mjw.Data, models: Sequence[mujoco.MjModel], worlds: IntArr
 
 
 def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
-    """Return the same states of infants, one of whom has a model, with other room; see `batched_data`.
-
-    Raises:
-        RuntimeError: If the device does not have the memory.
-    """
+    """Return the same states of infants, one of whom has a model, with other room; see `batched_data`."""
     larger = mjw.make_data(model, nworld=data.nworld, nconmax=contacts, njmax=constraints)
     for name in _names(mjw.Data):
         former, latter = getattr(data, name), getattr(larger, name)
@@ -132,11 +121,7 @@ def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: 
 
 
 def own_fields(models: Sequence[mjw.Model]) -> set[str]:
-    """Return the fields in which models differ.
-
-    Raises:
-        WorldsError: If one of them must be the same in all worlds.
-    """
+    """Return the fields in which models differ."""
     names = {name for name in _names(mjw.Model) if name not in NOT_COMPARED and not name.startswith(KEYFRAMES)}
     differing = _differing(models, names)
     uneven = {name for name in differing & BATCHED if len({getattr(model, name).shape for model in models}) > 1}
@@ -152,7 +137,6 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
 
 
 def _counted(models: Sequence[mjw.Model], name: str, what: str) -> str:
-    """Return how many there are in the first model, and in another one."""
     first, *others = [getattr(model, name) for model in models]
     return f"the number of {what} ({first}, {next(count for count in others if count != first)})"
 
@@ -169,13 +153,11 @@ def _names(kind: Any) -> list[str]:
 
 
 def _differing(records: Sequence[Any], names: Collection[str]) -> set[str]:
-    """Return the fields in which records differ."""
     first, *rest = records
     return {name for name in names if not all(_same(getattr(first, name), getattr(other, name)) for other in rest)}
 
 
 def _same(ours: Any, theirs: Any) -> bool:
-    """Return whether two fields are equal: arrays, tuples of arrays, records or plain values."""
     if isinstance(ours, wp.array):
         return ours.shape == theirs.shape and np.array_equal(ours.numpy(), theirs.numpy())
     if isinstance(ours, (tuple, list)):

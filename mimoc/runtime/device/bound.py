@@ -19,12 +19,7 @@ class Bound:
     """The senses, commands and tasks of all infants."""
 
     def __init__(self, setup: DeviceSetup, chance: CounterRandom):
-        """Find what is sensed and commanded, with its delays and noise, which draw from *chance*.
-
-        Raises:
-            MixtureError: If the infants cannot share a batch.
-            DeviceError: If a task cannot be judged on a device.
-        """
+        """Find what is sensed and commanded, with its delays and noise, which draw from *chance*."""
         infants, first = setup.infants, setup.infants[0]
         self.infants, self.body = infants, setup.body
         """The different bodies, and which of them lives in each world, shape (worlds,)."""

@@ -84,9 +84,7 @@ class Capacity:
     """For how much there is room, in each world."""
 
     contacts: int
-    """Pairs of geoms that are near each other, and contacts; worlds with fewer leave room to others."""
     constraints: int
-    """Rows of constraints."""
 
 
 @dataclass(slots=True)

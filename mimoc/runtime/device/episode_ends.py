@@ -31,7 +31,6 @@ class EpisodeEnds:
     """What comes of each control step; arrays have the shape (worlds,)."""
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, max_steps: int | None, mode: AutoresetMode):
-        """Begin the first episodes, of which none is longer than *max_steps* control steps."""
         self._max_steps, self._mode = max_steps, mode
         self.limit(infants, body)
         self.steps, self.episode = torch.zeros_like(body), torch.zeros_like(body)
@@ -82,12 +81,7 @@ class DeviceTask:
     """Judges all worlds at once; what the task remembers of each keeps its place in memory."""
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor):
-        """Stack the terms of the different bodies, by the body that lives in each world, shape (worlds,).
-
-        Raises:
-            DeviceError: If the task is not a term, not one that all infants can share, or observes what it does not
-                remember.
-        """
+        """Stack the terms of the different bodies, by the body that lives in each world, shape (worlds,)."""
         terms, first = [_term_of(infant) for infant in infants], infants[0]
         if field := differing_field(terms):
             raise DeviceError(f"the tasks of these infants differ in '{field}', which all worlds of a device share")
@@ -105,11 +99,7 @@ class DeviceTask:
         self._is_checked = False
 
     def judge(self, worlds: Worlds, model: mjw.Model, actions: torch.Tensor) -> Judgement:
-        """Return the judgement of a control step of all worlds, with actions of shape (worlds, n).
-
-        Raises:
-            KindError: If the first one has not the shapes that are expected.
-        """
+        """Return the judgement of a control step of all worlds, with actions of shape (worlds, n)."""
         before = {name: values.clone() for name, values in self.memory.items()}
         judgement: Judgement = self._term(worlds, actions, before)
         if not self._is_checked:
@@ -141,11 +131,7 @@ class _NoGoal(Term):
 
 
 def _term_of(infant: InfantEnv) -> Term:
-    """Return what judges an infant.
-
-    Raises:
-        DeviceError: If no term does.
-    """
+    """Return what judges an infant."""
     task = infant.task
     if type(task) is Task and task.term is None:
         return _NoGoal()

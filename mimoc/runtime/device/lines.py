@@ -196,5 +196,4 @@ class DelayLine:
 
 
 def _rows(mask: Mask) -> Rows:
-    """Return where a mask is true, as a slice if it is everywhere."""
     return slice(None) if mask.all() else put(np.flatnonzero(mask))

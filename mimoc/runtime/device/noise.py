@@ -31,7 +31,6 @@ class CounterRandom:
     """The random numbers of all worlds."""
 
     def __init__(self, seeds: torch.Tensor):
-        """Begin with some seeds, shape (worlds,)."""
         self.seeds = seeds.int()
         self.steps = torch.zeros_like(self.seeds)
         """How often each world has gone on to other numbers since it was seeded."""

@@ -53,11 +53,7 @@ class StartingInfant(InfantEnv):
         return {VISION: function_of(on_device, "NoVision")(), **super()._former_senses()}
 
     def _stands_for_others(self, *given: Any) -> Any:
-        """Refuse what is of an infant as it is now.
-
-        Raises:
-            MimocError: Always.
-        """
+        """Refuse what is of an infant as it is now."""
         raise MimocError(
             "infants of a device are in the arrays of its 'worlds'; those in 'infants' stand for them, as they start"
         )
@@ -71,12 +67,7 @@ class StartingInfant(InfantEnv):
         return self.simulation.variants is not None and self.simulation.variants.has_other_scenes
 
     def at(self, wanted: Any, find: Find) -> "StartingInfant":
-        """Return the infant with the age and the scene that are wanted: itself, or another environment.
-
-        Raises:
-            ValueError: If these are not an age and a seed.
-            MimocError: If there is no such infant.
-        """
+        """Return the infant with the age and the scene that are wanted: itself, or another environment."""
         variant = find(self, wanted)
         if variant is None:
             return self
@@ -86,11 +77,7 @@ class StartingInfant(InfantEnv):
         return infant
 
     def grown_into(self, infant: "StartingInfant", state: dict[str, Any]) -> dict[str, Any]:
-        """Return what becomes of fields of the simulation and the model in a state if it is another age's from now on.
-
-        Raises:
-            MimocError: If the infant has other parts at that age.
-        """
+        """Return what fields of the simulation and the model in a state become if it is another age's from now on."""
         growing.check_same_body(self.simulation.bare, infant.simulation.bare)
         mujoco.mj_resetData(self.model, self.data)
         self.binding.fields.forget()
@@ -113,12 +100,7 @@ class StartingInfant(InfantEnv):
 
 
 def check_start(infant: InfantEnv, options: Mapping[str, Any]) -> None:
-    """Check the pose and the places of objects in the options of a reset.
-
-    Raises:
-        UnknownNameError: If there is no such pose or object.
-        ValueError: If an object would be inside of something, or there is no such place.
-    """
+    """Check the pose and the places of objects in the options of a reset."""
     pose = pose_of(infant.manifest, options.get(growing.POSE))
     if growing.OBJECTS in options:
         moves = checked_moves(options[growing.OBJECTS], names_of(infant.manifest.objects))
@@ -151,10 +133,6 @@ class Residents:
         Args:
             wanted: `age_months` and `scene_seed` for each world; those that are missing stay as they are.
             find: Says which infant that is.
-
-        Raises:
-            ValueError: If these are not an age and a seed.
-            MimocError: If there is no such infant.
         """
         if not any(map(_is_change, wanted)):
             return self
@@ -193,7 +171,6 @@ def _is_change(options: Any) -> bool:
 
 
 def _asked(options: Any) -> Any:
-    """Return what is asked of an infant by options, or by a state."""
     return [options.get(name) for name in (growing.AGE, growing.SEED)] if isinstance(options, Mapping) else None
 
 

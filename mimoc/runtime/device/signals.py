@@ -31,11 +31,8 @@ class DeviceSetup:
     """What the device part of a sense is bound to: the different bodies, and which of them lives in each world."""
 
     infants: Sequence[InfantEnv]
-    """Single environments of the different bodies."""
     body: torch.Tensor
-    """The body that lives in each world, shape (worlds,)."""
     model: mjw.Model
-    """That of all worlds."""
     touch: str
     """How touch is told: the option of the environment."""
 
@@ -125,11 +122,7 @@ def line_of(
 def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | None = None) -> Delays:
     """Return the delay of each of n numbers of a signal of an infant, and how it varies.
 
-    Args:
-        infant: The infant.
-        signal: A sense, or the commands.
-        count: How many numbers it has.
-        bodies: Those in which a sense measures them, of which each measures as many; None if none is in the legs.
+    A sense measures equally many numbers in each of *bodies*; None if none is in the legs.
     """
     model, timing = infant.model, timing_of(infant.manifest, infant.senses)
     if signal == MOTOR:
@@ -157,11 +150,7 @@ class DeviceError(MimocError):
 
 
 def find_device(name: str) -> Any:
-    """Return one of Warp's devices.
-
-    Raises:
-        DeviceError: If it is not there.
-    """
+    """Return one of Warp's devices."""
     try:
         return wp.get_device(name)
     except (ValueError, RuntimeError):
@@ -171,11 +160,7 @@ def find_device(name: str) -> Any:
 
 
 def check_infant(infant: InfantEnv) -> None:
-    """Check that all that an infant has can run on a device, whoever wrote it: what cannot must not be ignored.
-
-    Raises:
-        DeviceError: If something cannot.
-    """
+    """Check that all that an infant has can run on a device, whoever wrote it: what cannot must not be ignored."""
     for name in infant.companions:
         raise DeviceError(f"companion '{name}' acts on the CPU only: leave it out, or leave out device")
     if infant.manifest.actuation.voice:

@@ -48,7 +48,6 @@ class DeviceSimulation:
         mode: AutoresetMode,
         max_steps: int | None,
     ):
-        """Set everything up on Warp's present device; see `DeviceEnv`."""
         self._mode, self._most_starts, self._touch, self._device = mode, starts, touch, wp.get_device()
         manifest, models, count = infants[0].manifest, [infant.model for infant in infants], len(body_of_world)
         self.period, self._timestep_s = to_steps(manifest.step_ms, manifest.timestep_ms), ms_to_s(manifest.timestep_ms)
@@ -83,11 +82,6 @@ class DeviceSimulation:
             infants: All different bodies from now on.
             body_of_world: Which of them lives in each world, shape (worlds,).
             worlds: Where another one lives than before.
-
-        Raises:
-            WorldsError: If their bodies cannot live in worlds of one model; nothing has changed then, as with others.
-            MixtureError: If they cannot share a batch.
-            DeviceError: If an infant needs what is not there on a device.
         """
         models = [infant.model for infant in infants]
         bodies, has_moved = self._fields.fit(models, changed_fields(infants))
@@ -233,7 +227,6 @@ class DeviceSimulation:
             self.observation[name].copy_(self.bound.task.memory[name])
 
     def _command(self, index: int) -> None:
-        """Set the controls of the physics steps that follow."""
         self.chance.steps += 1
         self.bound.commands.advance(1)
         commands = self.bound.commands.receive(self.clock, index)

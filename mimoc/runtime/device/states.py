@@ -71,11 +71,7 @@ def states_of(kept: Kept) -> list[dict[str, Any]]:
 
 
 def check_states(states: Any, kept: Kept) -> None:
-    """Check that there is one state for each world, with the form that those of some worlds have.
-
-    Raises:
-        ValueError: If not; the message says where.
-    """
+    """Check that there is one state for each world, with the form that those of some worlds have."""
     valid = states_of({path: None if values is None else values[:1] for path, values in kept.items()})[0]
     count = next(len(values) for values in kept.values() if values is not None)
     if not isinstance(states, (list, tuple)) or len(states) != count:

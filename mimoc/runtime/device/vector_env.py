@@ -84,7 +84,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
         Raises:
             DeviceError: If there is no such device, or an infant needs what is not there on one.
-            MixtureError: If the infants do not sense and command the same.
+            BatchMismatchError: If the infants do not sense and command the same.
             WorldsError: If their bodies cannot live in worlds of one model.
             UnknownNameError: If there is no such kind of arrays or touch.
         """
@@ -298,7 +298,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             infant.close()
 
     def _live(self, residents: Residents) -> None:
-        """Let infants live in worlds in which others have lived, as they are built."""
         worlds = residents.changed(self.residents)
         if len(worlds):
             check_mixture(residents.infants)
@@ -319,11 +318,9 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         return [POSE, AROUSAL, RESET_MASK, AGE, *([OBJECTS] if has_objects else []), *([SEED] if has_scenes else [])]
 
     def _present_ages(self) -> torch.Tensor:
-        """Return the age of the infant in each world, in months."""
         return put([infant.age_months for infant in self.infants])[self.worlds.bound.body]
 
     def _choices(self, starts: InitialStates, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
-        """Return the start of each infant that is reset, -1 for others."""
         firsts, counts = starts.first.tolist(), starts.count.tolist()
         choices = np.full(self.num_envs, -1)
         for world in which:

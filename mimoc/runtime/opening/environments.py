@@ -94,21 +94,13 @@ open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMembe
 
 
 def check_options(options: Iterable[str]) -> None:
-    """Check the names of an environment's options.
-
-    Raises:
-        UnknownNameError: If one is unknown, such as a key of the infant, which only its spec can say.
-    """
+    """Check the names of an environment's options."""
     for name in options:
         check_name("keyword of an environment (what the infant is like is said in its spec)", name, OPTIONS)
 
 
 def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> InfantEnv:
-    """Return the environment of a bundle, on request with scenes of other seeds, which are built from its spec.
-
-    Raises:
-        MimocError: If the bundle has no spec that can be built.
-    """
+    """Return the environment of a bundle, on request with scenes of other seeds, which are built from its spec."""
     parts = _opened(bundle)
     if other_scenes:
         from mimoc.compiler.variants import SpecVariants, spec_of
@@ -120,13 +112,7 @@ def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> I
 def prepared(
     source: Bundle | InfantSpec | str | Path, like: Variants | None = None, skin: bool | None = True
 ) -> dict[str, Any]:
-    """Return what the environments of an infant are made of; see `make`.
-
-    Args:
-        source: The infant.
-        like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
-        skin: Whether it has a skin, if its spec does not say; None: if its eyes see it, as one of many.
-    """
+    """Return what the environments of an infant are made of; see `make`."""
     check_source("an environment", source)
     if isinstance(source, InfantSpec):
         return _compiled(source, like, skin)
@@ -188,18 +174,15 @@ def prepared_task(
 
 
 def _given(choices: dict[str, Any]) -> dict[str, Any]:
-    """Return what was chosen, numbers of NumPy's as Python's."""
     chosen = {name: value for name, value in choices.items() if value is not None}
     return {name: value.item() if hasattr(value, "item") else value for name, value in chosen.items()}
 
 
 def _opened(bundle: Bundle) -> dict[str, Any]:
-    """Return what an environment is made of: a bundle, and its variants of other ages."""
     return {"bundle": bundle, "variants": BundleVariants(bundle)}
 
 
 def _compiled(spec: InfantSpec, like: Variants | None = None, skin: bool | None = True) -> dict[str, Any]:
-    """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
     from mimoc.compiler.building import sees_skin
     from mimoc.compiler.variants import SpecVariants
 
@@ -209,7 +192,6 @@ def _compiled(spec: InfantSpec, like: Variants | None = None, skin: bool | None 
 
 
 def _read(path: str | Path) -> Bundle:
-    """Return the bundle in a folder, or that of the infant whose recording is in it."""
     if not os.path.lexists(Path(path).expanduser() / MANIFEST):
         return function_of(RECORDING, "read_infant")(path)
     return read_bundle(path)
@@ -224,19 +206,13 @@ class BundleVariants:
     has_other_scenes = False
 
     def __init__(self, bundle: Bundle):
-        """Take a bundle."""
         self._bundle = bundle
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the bundle."""
         return BundleVariants, (self._bundle,)
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in months as they stand in manifests.
-
-        Raises:
-            BundleError: If the bundle cannot be built at this age.
-        """
+        """Return the infant at an age, in months as they stand in manifests."""
         try:
             return self._of_spec(age_months, scene_seed)
         except MimocError as error:
@@ -253,7 +229,6 @@ class BundleVariants:
 def _child(
     task: dict[str, Any], age_months: float = 18.0, hands: str = "mitten", actuation: str = "torque"
 ) -> InfantSpec:
-    """Return the spec of an average child with a task."""
     kind = task["kind"]
     data = {
         "mimoc": 1,

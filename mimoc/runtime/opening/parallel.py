@@ -69,11 +69,7 @@ def make_parallel(source: WorldSource, **options: Any) -> "InfantsParallelEnv":
 
 
 def world_parts(source: WorldSource, **keys: Any) -> dict[str, Any]:
-    """Return what the environment of a world is made of; *keys* are those of `build_world`.
-
-    Raises:
-        MimocError: If keys are given of a world that is built already.
-    """
+    """Return what the environment of a world is made of; *keys* are those of `build_world`."""
     from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants
     from mimoc.compiler.worlds import plan_world
 

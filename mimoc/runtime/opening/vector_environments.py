@@ -117,7 +117,6 @@ def _of_worlds(
     autoreset_mode: AutoresetMode | str,
     **options: Any,
 ) -> BatchEnv:
-    """Return the vector environment of the infants of worlds, which are repeated in turn."""
     if device != "cpu":
         raise MimocError("infants that share a world are simulated on the CPU; leave out device")
     _check_mode(render_mode)
@@ -134,7 +133,6 @@ def _of_worlds(
     models = [load_world_model(parts["bundle"]) for parts in prepared]
 
     def open_world(index: int) -> WorldEnv:
-        """Open one, with a model and copies of a script's objects of its own."""
         parts = prepared[index % len(prepared)]
         variant = WorldVariant(parts["bundle"], copy(models[index % len(models)]))
         return WorldEnv(variant, render_mode, variants=parts["variants"], **deepcopy(options))
@@ -143,11 +141,7 @@ def _of_worlds(
 
 
 def _worlds_for(count: int, sizes: Sequence[int]) -> int:
-    """Return how many worlds, in turn of these numbers of infants, have so many infants in all.
-
-    Raises:
-        MimocError: If no number has.
-    """
+    """Return how many worlds, in turn of these numbers of infants, have so many infants in all."""
     worlds = infants = 0
     while infants < count or worlds < len(sizes):
         infants += sizes[worlds % len(sizes)]
@@ -210,7 +204,6 @@ def _joined(
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     **options: Any,
 ) -> "BatchEnv | DeviceEnv":
-    """Return the vector environment of some infants, which are repeated in turn."""
     _check_mode(render_mode)
     if device != "cpu":
         return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
@@ -218,7 +211,6 @@ def _joined(
     environments.check_options(options)
 
     def open_infant(parts: dict[str, Any]) -> InfantEnv:
-        """Open one, with copies of a script's objects of its own."""
         return InfantEnv(**parts, render_mode=render_mode, **deepcopy(options))
 
     is_drawn = render_mode is not None or any(options.get(name) for name in OBJECTS)
@@ -236,7 +228,6 @@ def _loaded(parts: dict[str, Any], is_drawn: bool) -> dict[str, Any]:
 
 
 def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
-    """Return what infants are made of, in turn, each with a model of its own."""
     infants = [*prepared]
     for index in range(len(prepared), count):
         parts = prepared[index % len(prepared)]
@@ -253,7 +244,6 @@ def _on_device(
     autoreset_mode: AutoresetMode | str,
     options: dict[str, Any],
 ) -> "DeviceEnv":
-    """Return infants in worlds of MuJoCo Warp."""
     from mimoc.runtime.device.residents import StartingInfant
     from mimoc.runtime.device.vector_env import DeviceEnv
 
@@ -270,7 +260,6 @@ def _on_device(
 
 
 def _check_numbers(**given: Any) -> None:
-    """Check that numbers of infants or threads, where they are given, are whole and not negative."""
     for name, number in given.items():
         if number is not None and (isinstance(number, bool) or not isinstance(number, Integral) or number < 0):
             raise ValueError(f"expected a whole number that is not negative as {name}, got {number!r}")

@@ -98,7 +98,6 @@ class StepMeasures:
 
 
 def _field(quantity: Quantity, item: object) -> Any:
-    """Return the value of one thing."""
     try:
         return getattr(item, quantity.key)
     except AttributeError:
