@@ -1,7 +1,7 @@
 """`mimoc bench`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -9,9 +9,6 @@ from mimoc.base.errors import MimocError, counted
 from mimoc.base.rounding import readable
 from mimoc.cli.run import POLICIES_HELP
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
-
-if TYPE_CHECKING:
-    from mimoc.studies.bench.results import BenchResults
 
 PolicyName = Annotated[
     str | None,
@@ -115,7 +112,14 @@ def _enter(
     chosen = {"tasks": _names(tasks), "ages_months": _months(ages), "processes": processes or _cores()}
     with console.progress("scoring") as show, resumable():
         results = run_bench(policy, out, **chosen, episodes=episodes, progress=show)
-    _print_scores(results)
+    headings = ("task", "months", "success", "95 %", "return", "effort", "arc length", "jerk", "likeness")
+    table = console.new_table(*headings, title=printable(f"{results.policy} in {results.benchmark}"))
+    for cell, scores in results.scored.items():
+        interval = "-".join(f"{end:.2f}" for end in scores.success_95 or ())
+        means = (scores.mean_return, scores.effort, scores.arc_length, scores.jerk, scores.likeness)
+        numbers = ["" if value is None else readable(value) for value in (scores.success, *means)]
+        table.add_row(cell.task, f"{cell.age_months:g}", numbers[0], interval, *numbers[1:])
+    console.open_console().print(table)
     print(printable(out))
 
 
@@ -161,19 +165,6 @@ def _print_tasks() -> None:
     opened.print(table)
     for what, (first, end) in (("practice", benchmark.seeds.practice), ("test", benchmark.seeds.test)):
         opened.print(f"{what} seeds: {first} to {end - 1}")
-
-
-def _print_scores(results: "BenchResults") -> None:
-    from mimoc.cli import console
-
-    headings = ("task", "months", "success", "95 %", "return", "effort", "arc length", "jerk", "likeness")
-    table = console.new_table(*headings, title=printable(f"{results.policy} in {results.benchmark}"))
-    for cell, scores in results.scored.items():
-        interval = "-".join(f"{end:.2f}" for end in scores.success_95 or ())
-        means = (scores.mean_return, scores.effort, scores.arc_length, scores.jerk, scores.likeness)
-        numbers = ["" if value is None else readable(value) for value in (scores.success, *means)]
-        table.add_row(cell.task, f"{cell.age_months:g}", numbers[0], interval, *numbers[1:])
-    console.open_console().print(table)
 
 
 def _names(text: str | None) -> list[str] | None:

@@ -227,7 +227,11 @@ class RecordingObserver(Observer):
         elif self is shared.keeper and shared.has_states and shared.physics != self._physics_now():
             self._change("physics", physics_of(infant.model, infant.data))
         if infant.companions:
-            self._keep_orders()
+            for name, companion in self.infant.companions.items():
+                known = self._shared.orders.get(id(companion), 0)
+                for order in companion.orders[known:]:
+                    self._change("order", {"companion": name, "order": dict(order)})
+                self._shared.orders[id(companion)] = len(companion.orders)
 
     def stepped(
         self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
@@ -273,14 +277,6 @@ class RecordingObserver(Observer):
     def aroused(self, level: float) -> None:
         """Keep an arousal."""
         self._change("arousal", level)
-
-    def _keep_orders(self) -> None:
-        """Keep what companions were asked to do since the last step, once, and not what a kept state contains."""
-        for name, companion in self.infant.companions.items():
-            known = self._shared.orders.get(id(companion), 0)
-            for order in companion.orders[known:]:
-                self._change("order", {"companion": name, "order": dict(order)})
-            self._shared.orders[id(companion)] = len(companion.orders)
 
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""

@@ -66,17 +66,13 @@ def replay_recording(
     def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
         objects = deepcopy({"senses": dict(senses), "companions": dict(companions)})
         if isinstance(bundle, WorldBundle):
-            return _open_world(bundle, other_scenes, tasks=deepcopy(task or {}), **objects)
+            from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
+
+            variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
+            return WorldEnv(bundle, variants=variants, **objects)
         return open_bundle(bundle, other_scenes, task=deepcopy(task), **objects)
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
-
-
-def _open_world(bundle: WorldBundle, other_scenes: bool, **objects: Any) -> WorldEnv:
-    from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
-
-    variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
-    return WorldEnv(bundle, variants=variants, **objects)
 
 
 def _given(

@@ -12,7 +12,7 @@ from mimoc.base.errors import MissingExtraError
 from mimoc.base.quantities import QUANTITIES
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.recording.blocks import Array, Block, Reading, Sparse
+from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
 from mimoc.recording.folder import opened
 from mimoc.recording.movement_columns.reader import values_of
@@ -165,7 +165,13 @@ def write_block(path: Path, block: Block, described: Described) -> None:
     for reading in block.readings:
         name = OBSERVATION + reading.name
         if reading.kind == "sparse":
-            columns[name] = _listed(block.sparse[reading.name], rows, kinds[name])
+            kept = block.sparse[reading.name]
+            kind = kinds[name]
+            end, pair = kept.ends[rows], kind.value_type
+            pairs = pa.StructArray.from_arrays(
+                [pa.array(kept.index[:end]), pa.array(kept.value[:end])], fields=list(pair)
+            )
+            columns[name] = pa.ListArray.from_arrays(pa.array(kept.ends[: rows + 1]), pairs, type=kind)
         elif name in kinds:
             columns[name] = _fixed(block.dense[reading.name][:rows], kinds[name])
     columns |= _movement(block, kinds)
@@ -266,13 +272,6 @@ def movement_of(table: Any, described: Described) -> dict[str, Array]:
             name: np.array([row[index] for row in rows], object) for index, name in enumerate(described.movement_names)
         }
     return columns
-
-
-def _listed(kept: Sparse, rows: int, kind: Any) -> Any:
-    """Return rows of index and value of the numbers that are not zero."""
-    end, pair = kept.ends[rows], kind.value_type
-    pairs = pa.StructArray.from_arrays([pa.array(kept.index[:end]), pa.array(kept.value[:end])], fields=list(pair))
-    return pa.ListArray.from_arrays(pa.array(kept.ends[: rows + 1]), pairs, type=kind)
 
 
 def _fixed(array: Array, kind: Any) -> Any:

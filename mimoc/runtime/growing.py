@@ -161,13 +161,9 @@ def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
 
 
 def _age(age_months: Any) -> float:
-    if isinstance(age_months, bool) or not isinstance(age_months, Real) or not _is_age(age_months):
+    if isinstance(age_months, bool) or not isinstance(age_months, Real) or not 0.0 <= age_months <= OLDEST_MONTHS:
         raise ValueError(f"expected an age from 0 to {OLDEST_MONTHS:g} months, got {age_months!r}")
     return rounded(float(age_months))
-
-
-def _is_age(age_months: Any) -> bool:
-    return bool(0.0 <= age_months <= OLDEST_MONTHS)  # Not for a NaN, either.
 
 
 def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:

@@ -397,7 +397,10 @@ class Infant:
     def checked(self, state: Any, valid: Mapping[str, Any]) -> Iterator[None]:
         """Restore a state within that can be that of this infant, the physics included; *valid* is one that is."""
         try:
-            check_form(state, _lasting(valid))
+            signals = {name: valid["signals"][name] for name in ("noise", "motor_noise")}
+            noise = {"seed": valid["noise"]["seed"]}
+            lasting = {name: valid[name] for name in valid if name not in ("task", "companions", "before")}
+            check_form(state, lasting | {"signals": signals, "noise": noise})
             self.schedule.check(state["signals"], time_of(state[PHYSICS]))
             yield
         except (AttributeError, IndexError, KeyError, OverflowError, TypeError) as error:
@@ -415,11 +418,3 @@ class Infant:
         if self.companions:
             self.companions.state = state["companions"]
         self.steps, self.random.bit_generator.state = state[STEPS], state[RANDOM]
-
-
-def _lasting(state: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what has the same form in all states of an infant: not tasks, companions, signals, nor streams."""
-    signals = {name: state["signals"][name] for name in ("noise", "motor_noise")}
-    noise = {"seed": state["noise"]["seed"]}
-    lasting = {name: state[name] for name in state if name not in ("task", "companions", "before")}
-    return lasting | {"signals": signals, "noise": noise}

@@ -29,18 +29,14 @@ def bind_senses(
         raise KindError(f"this infant has a sense '{taken[0]}' already; pass yours under another name")
     senses: dict[str, Sense] = {name: kept.get(name) or bind_sense(name, bundle, model) for name in names}
     senses |= {name: CustomSense(name, sense, model, bundle) for name, sense in custom.items()}
-    _refuse_same_arrays(senses)
+    owners: dict[str, str] = {}
+    for name, sense in senses.items():
+        for key in sense.spaces:
+            if owners.setdefault(key, name) != name:
+                raise KindError(f"the senses '{owners[key]}' and '{name}' both observe '{key}'; rename one of the two")
     return senses or {"nothing": TermSense("nothing", Zero(), ("nothing [0]",), low=0.0, high=1.0)}
 
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:
     """Return one of the senses that an infant has; see `bind_senses`."""
     return function_of(SENSES[name].run, "bind")(getattr(bundle.manifest.senses, name), model, bundle)
-
-
-def _refuse_same_arrays(senses: Mapping[str, Sense]) -> None:
-    owners: dict[str, str] = {}
-    for name, sense in senses.items():
-        for key in sense.spaces:
-            if owners.setdefault(key, name) != name:
-                raise KindError(f"the senses '{owners[key]}' and '{name}' both observe '{key}'; rename one of the two")

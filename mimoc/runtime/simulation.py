@@ -381,7 +381,12 @@ class Simulation:
         growing.put(poses, self._variant, data)
         infants[0].binding.objects.start(data, elsewhere)
         if check and len(infants) > 1:
-            self._check_apart()
+            roots = [infant.manifest.root_body for infant in self.infants.values()]
+            if depths := overlaps(self.bare, self.data, roots):
+                first, second = ([*self.infants][index] for index in next(iter(depths)))
+                raise MimocError(
+                    f"'{first}' and '{second}' are within each other as they start; reset to other poses or ages"
+                )
         mujoco.mj_kinematics(model, data)
         for infant in infants:
             infant.binding.constraints.keep(data)
@@ -390,14 +395,6 @@ class Simulation:
             infant.start_task(chance)
         for infant in infants:
             infant.start_signals()
-
-    def _check_apart(self) -> None:
-        roots = [infant.manifest.root_body for infant in self.infants.values()]
-        if depths := overlaps(self.bare, self.data, roots):
-            first, second = ([*self.infants][index] for index in next(iter(depths)))
-            raise MimocError(
-                f"'{first}' and '{second}' are within each other as they start; reset to other poses or ages"
-            )
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         """Restore a state of the infants that are bound, which is not kept."""
@@ -409,20 +406,16 @@ class Simulation:
             infant.restore_signals(state[INFANTS][name])
         accompanied = [infant for infant in self.infants.values() if infant.companions]
         if accompanied:
-            self._restore_before(state[BEFORE], state[PHYSICS])
+            before = state[BEFORE]  # What companions see: bodies and contacts before the last physics step.
+            size = mujoco.mj_stateSize(model, STATE)
+            demand(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), BEFORE, before)
+            check_finite(before, BEFORE)
+            if len(before):
+                mujoco.mj_setState(model, data, before, STATE)
+                mujoco.mj_step(model, data)
+                mujoco.mj_setState(model, data, state[PHYSICS], STATE)
             for infant in accompanied:
                 infant.companions.before = state[BEFORE]
-
-    def _restore_before(self, before: FloatArray, physics: FloatArray) -> None:
-        """Restore the bodies and contacts that companions see, those of the state before the last physics step."""
-        model, data = self.bare, self.data
-        size = mujoco.mj_stateSize(model, STATE)
-        demand(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), BEFORE, before)
-        check_finite(before, BEFORE)
-        if len(before):
-            mujoco.mj_setState(model, data, before, STATE)
-            mujoco.mj_step(model, data)
-            mujoco.mj_setState(model, data, physics, STATE)
 
 
 def _model_as_built(bindings: Sequence[Binding]) -> mujoco.MjModel:

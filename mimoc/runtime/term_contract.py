@@ -54,11 +54,6 @@ def check_term(term: Term, model: mujoco.MjModel, *args: Any) -> None:
                 raise TermError(
                     f"{_name(term)}: {name} of one infant is not row {index} of {INFANTS} infants' to the bit"
                 )
-    _check_strict(terms, datas, args)
-    _check_torch(terms, datas, args, many)
-
-
-def _check_strict(terms: list[Term], datas: list[mujoco.MjData], args: Any) -> None:
     try:
         import array_api_strict as xp
     except ImportError:
@@ -70,6 +65,7 @@ def _check_strict(terms: list[Term], datas: list[mujoco.MjData], args: Any) -> N
     for name, array in result.items():
         if not isinstance(array, type(put(0))):
             raise TermError(f"{_name(terms[0])}: {name} is {type(array).__name__}, not an array of worlds.xp")
+    _check_torch(terms, datas, args, many)
 
 
 def _check_torch(terms: list[Term], datas: list[mujoco.MjData], args: Any, expected: Mapping[str, np.ndarray]) -> None:

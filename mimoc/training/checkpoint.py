@@ -3,7 +3,7 @@
 import io
 import json
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -56,7 +56,13 @@ def pack(agent: BaseAlgorithm, env: VecNormalize, progress: Progress) -> bytes:
         archive.writestr(WEIGHTS, pack_arrays(agent_state(agent)))
         archive.writestr(SCALE, pack_arrays(statistics(env)), zipfile.ZIP_DEFLATED)
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            archive.writestr(REPLAY, pack_arrays(_replay(buffer)))
+            used = buffer.buffer_size if buffer.full else buffer.pos
+            arrays = {name: getattr(buffer, name)[:used] for name in _VECTORS}
+            for kind in _DICTIONARIES:
+                arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(buffer, kind).items()}
+            archive.writestr(
+                REPLAY, pack_arrays({"pos": np.array(buffer.pos), "full": np.array(buffer.full), **arrays})
+            )
     return content.getvalue()
 
 
@@ -68,7 +74,16 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
         set_statistics(env, unpack_arrays(archive.content(SCALE)))
         agent.num_timesteps = progress.steps
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            _restore_replay_buffer(buffer, unpack_arrays(archive.content(REPLAY)))
+            saved = unpack_arrays(archive.content(REPLAY))
+            used, position, full = len(saved["rewards"]), int(saved["pos"]), bool(saved["full"])
+            if used != (buffer.buffer_size if full else position) or not 0 <= position < buffer.buffer_size:
+                raise ValueError("a replay buffer of another size")
+            for name in _VECTORS:
+                getattr(buffer, name)[:used] = saved[name]
+            for kind in _DICTIONARIES:
+                for name, part in getattr(buffer, kind).items():
+                    part[:used] = saved[f"{kind}.{name}"]
+            buffer.pos, buffer.full = position, full
     return progress
 
 
@@ -114,23 +129,3 @@ def _pack_progress(archive: zipfile.ZipFile, progress: Progress) -> None:
 def _progress(archive: Archive) -> Progress:
     state = parse_json(archive.content(STATE), _State)
     return Progress(state.steps, state.wall_s, Curve.from_csv(archive.content(CURVE).decode()))
-
-
-def _replay(buffer: DictReplayBuffer) -> dict[str, np.ndarray]:
-    used = buffer.buffer_size if buffer.full else buffer.pos
-    arrays = {name: getattr(buffer, name)[:used] for name in _VECTORS}
-    for kind in _DICTIONARIES:
-        arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(buffer, kind).items()}
-    return {"pos": np.array(buffer.pos), "full": np.array(buffer.full), **arrays}
-
-
-def _restore_replay_buffer(buffer: DictReplayBuffer, saved: Mapping[str, np.ndarray]) -> None:
-    used, position, full = len(saved["rewards"]), int(saved["pos"]), bool(saved["full"])
-    if used != (buffer.buffer_size if full else position) or not 0 <= position < buffer.buffer_size:
-        raise ValueError("a replay buffer of another size")
-    for name in _VECTORS:
-        getattr(buffer, name)[:used] = saved[name]
-    for kind in _DICTIONARIES:
-        for name, part in getattr(buffer, kind).items():
-            part[:used] = saved[f"{kind}.{name}"]
-    buffer.pos, buffer.full = position, full

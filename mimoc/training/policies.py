@@ -109,7 +109,9 @@ def _bind(
     check_fits(path, about, interface_of(env))
     scale = dict[str, tuple[np.ndarray, np.ndarray]]()
     try:
-        if not _has_room(hyper, weights, env):
+        width, layers = int(hyper["width"]), int(hyper["layers"])
+        inputs = sum(math.prod(space.shape) for space in spaces_of(env).values() if len(space.shape) == 1)
+        if width * (inputs + width * (layers - 1)) > sum(array.size for array in weights.values()):
             raise ValueError("fewer weights than its layers have")
         network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
         set_weights(network, weights)
@@ -123,10 +125,3 @@ def _bind(
     network.set_training_mode(False)
     limit = about["settings"].get("steps_per_episode")
     return TrainedPolicy(network, scale, float(hyper["observation_clip"]), limit)
-
-
-def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: Infant) -> bool:
-    """Return whether there are as many weights as the layers of a network have at least, before it is made."""
-    width, layers = int(hyper["width"]), int(hyper["layers"])
-    inputs = sum(math.prod(space.shape) for space in spaces_of(env).values() if len(space.shape) == 1)
-    return width * (inputs + width * (layers - 1)) <= sum(array.size for array in weights.values())

@@ -124,7 +124,15 @@ def open_run_folder(
         for leftover in (*_leftovers(path), *_leftovers(path / CHECKPOINTS)):
             discard(leftover)
         if force:
-            _clear(path)
+            files = [path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)]
+            try:
+                for file in (*files, *(path / CHECKPOINTS).glob("*.zip")):
+                    file.unlink(missing_ok=True)
+            except OSError as error:
+                raise OutputError(
+                    f"{error.filename}: cannot be removed ({error.strerror}); name another folder"
+                ) from None
+            remove(path / BUNDLE)
         _write_description(path, previous if not force else None, settings, bundle, origin)
         yield RunFolder(path)
     finally:
@@ -165,16 +173,6 @@ def _content(path: Path) -> bytes | None:
 
 def _leftovers(folder: Path) -> list[Path]:
     return list(folder.glob(".mimoc-*.tmp"))
-
-
-def _clear(path: Path) -> None:
-    files = [path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)]
-    try:
-        for file in (*files, *(path / CHECKPOINTS).glob("*.zip")):
-            file.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from None
-    remove(path / BUNDLE)
 
 
 def _write_description(

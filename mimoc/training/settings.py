@@ -179,7 +179,11 @@ class TrainingSettings:
         known = complete(algo, hyper, device), dict(custom), dict(growth), steps_per_episode, device
         chosen = cls(algo, steps, seed, envs, every, *known)
         if device != CPU:
-            _check_parts(chosen)
+            if chosen.rollout_steps % (parts := chosen.hyper["mini_batches"]):
+                raise TrainingError(
+                    f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) has no {parts} equal parts; choose "
+                    "mini_batches that divide it"
+                )
         elif algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
                 f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
@@ -241,14 +245,6 @@ def check_envs(envs: int, device: str) -> None:
 
 
 MOST_ON_CPU = 1024
-
-
-def _check_parts(settings: TrainingSettings) -> None:
-    if settings.rollout_steps % (parts := settings.hyper["mini_batches"]):
-        raise TrainingError(
-            f"a rollout of {settings.rollout_steps} steps (n_steps x envs) has no {parts} equal parts; choose "
-            "mini_batches that divide it"
-        )
 
 
 MIN_IMAGE_PX = 36

@@ -35,7 +35,10 @@ class _Course:
 
     def go_on(self, outcome: Any) -> bool:
         """Go on with the outcome of a step, None at first; return whether it waits for another one."""
-        _set_random_states(self._random)
+        on_cpu, on_gpus = self._random
+        torch.set_rng_state(on_cpu)
+        if on_gpus:
+            torch.cuda.set_rng_state_all(on_gpus)
         try:
             self.wants = self._coroutine.send(outcome)
         except StopIteration as ended:
@@ -72,10 +75,3 @@ def run_together(courses: Sequence[Coroutine[Wanted, Any, Result]]) -> list[Resu
 
 def _random_states() -> tuple[torch.Tensor, Sequence[torch.Tensor]]:
     return torch.get_rng_state(), torch.cuda.get_rng_state_all() if torch.cuda.is_initialized() else ()
-
-
-def _set_random_states(states: tuple[torch.Tensor, Sequence[torch.Tensor]]) -> None:
-    on_cpu, on_gpus = states
-    torch.set_rng_state(on_cpu)
-    if on_gpus:
-        torch.cuda.set_rng_state_all(on_gpus)

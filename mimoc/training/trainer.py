@@ -149,7 +149,10 @@ def train(
         (64, 'policy.zip')
     """
     refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
-    custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
+    classes = {f"senses.{name}": type(sense) for name, sense in (senses or {}).items()}
+    classes |= {} if task is None else {"task": type(task)}
+    custom = {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
+    growth = growth_settings(grow, schedule, grow_steps, steps)
     known = checkpoint_every, hyper or {}, custom, growth
     choose = partial(TrainingSettings.choose, algo, steps, seed)
     if world := world_of(source):
@@ -214,12 +217,6 @@ def open_world_copy(
     tasks = {name: deepcopy(task) for name in world.infants} if task is not None else {}
     of_infants = {name: deepcopy(dict(senses)) for name in world.infants}
     return WorldEnv(world, tasks=tasks, senses=of_infants, variants=variants)
-
-
-def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
-    classes = {f"senses.{name}": type(sense) for name, sense in senses.items()}
-    classes |= {} if task is None else {"task": type(task)}
-    return {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
 
 
 @contextmanager

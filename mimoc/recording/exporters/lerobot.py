@@ -44,7 +44,13 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
         columns = _columns(episode, number, start)
         stats.append({name: _stats(array) for name, array in columns.items()})
         tables.append(pa.table({name: _column(array) for name, array in columns.items()}))
-        spans.append(_span(number, start, episode, eyes, task))
+        end, rate = start + episode.steps, episode.described.rate_hz
+        place = {"episode_index": number, "tasks": [task], "length": episode.steps}
+        place |= {"data/chunk_index": 0, "data/file_index": 0, "dataset_from_index": start, "dataset_to_index": end}
+        place |= {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
+        video = {"chunk_index": 0, "file_index": 0}
+        video |= {"from_timestamp": float(start / rate), "to_timestamp": float(end / rate)}
+        spans.append(place | {f"videos/{_feature(eye)}/{name}": value for eye in eyes for name, value in video.items()})
         start += episode.steps
     _write(out / "data" / f"{FILE}.parquet", pa.concat_tables(tables))
     for done, reading in enumerate(eyes, start=1):
@@ -112,25 +118,9 @@ def _tasks(task: str) -> Any:
     return table.replace_schema_metadata({b"pandas": json.dumps(index).encode()})
 
 
-def _span(number: int, start: int, episode: Episode, eyes: Sequence[Reading], task: str) -> dict[str, Any]:
-    end, rate = start + episode.steps, episode.described.rate_hz
-    place = {"episode_index": number, "tasks": [task], "length": episode.steps}
-    place |= {"data/chunk_index": 0, "data/file_index": 0, "dataset_from_index": start, "dataset_to_index": end}
-    place |= {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
-    video = {"chunk_index": 0, "file_index": 0}
-    video |= {"from_timestamp": float(start / rate), "to_timestamp": float(end / rate)}
-    return place | {f"videos/{_feature(eye)}/{name}": value for eye in eyes for name, value in video.items()}
-
-
 def _stats(array: Array) -> dict[str, Any]:
     rows = array.reshape(len(array), -1).astype(np.float64)
     return {what: getattr(rows, what)(axis=0).tolist() for what in MOMENTS} | {"count": [len(array)]}
-
-
-def _picture_stats(pictures: Array) -> dict[str, Any]:
-    """Return the same for each colour of pictures, from 0 to 1, in the shape (3, 1, 1) of the format."""
-    numbers = _stats(pictures.reshape(-1, 3) / 255)
-    return {what: [[[value]] for value in numbers[what]] for what in MOMENTS} | {"count": [len(pictures)]}
 
 
 def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
@@ -155,7 +145,10 @@ def _write_pictures(out: Path, recording: ReadRecording, eye: Reading, stats: Se
         pictures = episode.observation(eye.name)[:-1]
         for picture in pictures:
             video.add(picture)
-        features[_feature(eye)] = _picture_stats(pictures)
+        numbers = _stats(pictures.reshape(-1, 3) / 255)
+        features[_feature(eye)] = {what: [[[value]] for value in numbers[what]] for what in MOMENTS} | {
+            "count": [len(pictures)]
+        }
     video.save()
 
 

@@ -50,7 +50,7 @@ class EpisodeEnds:
     ) -> None:
         """Add up rewards, find what ends, and choose where to begin again; actions have the shape (worlds, n)."""
         is_waiting = self.ended & (self._mode == AutoresetMode.NEXT_STEP)
-        is_broken = ~_is_bounded(worlds)
+        is_broken = ~(torch.cat([worlds.qpos, worlds.qvel, worlds.qacc], dim=1).abs() <= TOO_MUCH).all(dim=1)
         is_judged = ~is_broken & ~is_waiting
         self.terms = {name: torch.where(is_judged, term, 0.0) for name, term in judgement.reward_terms.items()}
         self.reward = sum(self.terms.values(), torch.zeros_like(worlds.qpos[:, 0]))
@@ -70,11 +70,6 @@ class EpisodeEnds:
         self.episode += begins
         self.chosen = torch.where(begins, starts.draw(seeds, self.episode), -1)
         """The start of the next episode of worlds that begin one now, -1 for others."""
-
-
-def _is_bounded(worlds: Worlds) -> torch.Tensor:
-    """Return whether all numbers of the state of each world are there and not too large, shape (worlds,)."""
-    return (torch.cat([worlds.qpos, worlds.qvel, worlds.qacc], dim=1).abs() <= TOO_MUCH).all(dim=1)
 
 
 class DeviceTask:

@@ -82,7 +82,10 @@ class StartingInfant(InfantEnv):
         mujoco.mj_resetData(self.model, self.data)
         self.binding.fields.forget()
         for name, values in state["physics"].items():
-            _set(self.data, name, values)
+            if name == "time":
+                self.data.time = values
+            else:
+                getattr(self.data, name)[:] = values
         rows = changed_rows(self)
         for name, which in rows.items():
             built = getattr(self.model, name)[which]
@@ -107,13 +110,6 @@ def check_start(infant: InfantEnv, options: Mapping[str, Any]) -> None:
         Objects(infant.manifest, infant.model).find_poses(
             lambda data: mujoco.mj_resetDataKeyframe(data.model, data, data.model.key(pose).id), moves
         )
-
-
-def _set(data: mujoco.MjData, name: str, values: Any) -> None:
-    if name == "time":
-        data.time = values
-    else:
-        getattr(data, name)[:] = values
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,10 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             DeviceError: If something went wrong in the step before.
         """
         options = options_given(options)
-        for name in options.keys() - (known := self._known_options()):
+        has_objects = all(infant.manifest.objects for infant in self.infants)
+        has_scenes = all(getattr(infant, "has_other_scenes", False) for infant in self.infants)
+        known = [POSE, AROUSAL, RESET_MASK, AGE, *([OBJECTS] if has_objects else []), *([SEED] if has_scenes else [])]
+        for name in options.keys() - known:
             raise UnknownNameError("reset option on a device", str(name), known)
         seeds = seeds_of(seed, self.num_envs)
         which, given = reset_indices(options, self.num_envs), options_of(options, self.num_envs)
@@ -310,12 +313,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
     def _carried(self) -> dict[Path, Slot]:
         """Return the parts of the state that growing changes on the CPU, or looks at."""
         return {path: slot for path, slot in self.worlds.slots().items() if path[0] in CARRIED}
-
-    def _known_options(self) -> list[str]:
-        """Return the options of a reset."""
-        has_objects = all(infant.manifest.objects for infant in self.infants)
-        has_scenes = all(getattr(infant, "has_other_scenes", False) for infant in self.infants)
-        return [POSE, AROUSAL, RESET_MASK, AGE, *([OBJECTS] if has_objects else []), *([SEED] if has_scenes else [])]
 
     def _present_ages(self) -> torch.Tensor:
         return put([infant.age_months for infant in self.infants])[self.worlds.bound.body]
