@@ -69,7 +69,7 @@ def replay_recording(
             from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
 
             variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
-            return WorldEnv(bundle, variants=variants, **objects)
+            return WorldEnv(bundle, variants=variants, tasks=deepcopy(task or {}), **objects)
         return open_bundle(bundle, other_scenes, task=deepcopy(task), **objects)
 
     return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
