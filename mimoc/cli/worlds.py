@@ -20,10 +20,7 @@ NEEDS_ONE = "is for a single infant, and this is a world with several; leave it 
 def find_world(path: Path, scene_seed: int | None = None, **refused: object) -> "WorldBundle | None":
     """Return the world of several infants in a folder, or built from a file; None if there is something else.
 
-    Args:
-        path: What a command was given.
-        scene_seed: The seed of its scene, if it is built from a file; None is that of the file.
-        refused: Options that are for single infants, by name, as they were given.
+    The options *refused* are for single infants, by name, as they were given.
     """
     from mimoc.compiler.world_sources import world_of
 

@@ -112,13 +112,7 @@ class RecordingFolder:
 
 
 def open_folder(path: str | Path, bundles: Sequence[AnyBundle], *, note: str | None = None) -> RecordingFolder:
-    """Open a folder to record infants in: a new or empty one, or that of a recording of the same infants.
-
-    Args:
-        path: The folder.
-        bundles: Those of single infants and of worlds that are simulated side by side.
-        note: Why the recording cannot be replayed, if it cannot.
-    """
+    """Open a folder to record infants in: a new or empty one, or that of a recording of the same infants."""
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
     busy = RecordingError(f"{folder}: another process is recording here; wait for it or name another folder")

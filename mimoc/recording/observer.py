@@ -168,18 +168,7 @@ class RecordingObserver(Observer):
         about: Mapping[str, Any],
         movement: Sequence[str] = tuple(GROUPS),
     ):
-        """Begin with the next reset or step of an infant.
-
-        Args:
-            infant: The infant.
-            shared: Its simulation, to which this observer is added.
-            writer: What does the writing.
-            stem_of: Returns the path of an episode's files, without extension, by its number.
-            part_rows: Rows of a part.
-            states_every: Control steps from one complete state to the next.
-            about: What each sidecar says, such as the number of the `infant`.
-            movement: Groups of movement columns.
-        """
+        """Begin with the next reset or step of an infant."""
         self.infant, self._shared, self._writer, self._stem_of = infant, shared, writer, stem_of
         self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
         self._movement = MovementReader(infant, movement)

@@ -45,14 +45,7 @@ class VideoFrames:
     """Renders the frames of a video of the infants of one simulation."""
 
     def __init__(self, infant: Infant, height_px: int, eyes: bool = False, shown: Shown = "skin"):
-        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes.
-
-        Args:
-            infant: The infant whose eyes are shown, which may grow; those that share its world are in the picture, too.
-            height_px: Height of the frames.
-            eyes: Whether to show the views of its eyes.
-            shown: Whether infants are drawn with their skin, or their solids.
-        """
+        """Open the cameras, or raise a RenderingError if OpenGL is not available, or the infant has no eyes."""
         self._env, self._eyes, self._height_px = infant, eyes, height_px
         self._shown: Shown = shown
         self.shot: Shot | None = None

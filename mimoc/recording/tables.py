@@ -89,12 +89,7 @@ def _lists_of(element: Any, size: int = -1) -> Any:
 
 
 def check_rows(table: Any, described: Described, first_step: int) -> None:
-    """Check the values of a table that has the columns of its description, whose first row is of some step.
-
-    Raises:
-        UnusableFileError: If there are nulls, steps that do not follow each other, actions that are no numbers, or
-            indices that an observation does not have.
-    """
+    """Check the values of a table that has the columns of its description, whose first row is of some step."""
     table.validate(full=True)
     for name in table.column_names:
         if any(map(_has_nulls, table.column(name).chunks)):
@@ -228,9 +223,6 @@ def read_columns(paths: Sequence[Path], described: Described) -> Any:
     """Return the rows of all parts of one episode as one Arrow table.
 
     What is a flag in one part and a number in another is a number; a column that a part lacks is NaN or False there.
-
-    Raises:
-        RecordingError: If a file is damaged, or is not as described.
     """
     parts, fields = list[Any](), dict[str, Any]()
     for path in paths:

@@ -69,11 +69,7 @@ class Video(ABC):
         return
 
     def save(self, sound: Sound | None = None) -> Path:
-        """Save the frames added so far, at least one, and return the path of the file, or raise an OutputError.
-
-        Args:
-            sound: Samples of its track, if that was opened, shape (n, 2).
-        """
+        """Save the frames added so far, at least one, and return the path of the file, or raise an OutputError."""
         try:
             self._finish(sound)
             return files.move_into_place(self._temporary, self.file)

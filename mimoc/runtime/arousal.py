@@ -38,14 +38,6 @@ class ToneInModels:
     def __init__(
         self, tones: Sequence[Tone], fields: Sequence[Any], angles: IntArray, put: Callable[[Any], Any] = np.asarray
     ):
-        """Find what arousal changes.
-
-        Args:
-            tones: Of each infant.
-            fields: Those of `FIELDS` as they are built, shape (k, ...), which are written to.
-            angles: Address of the angle of each joint, which is the same of all.
-            put: Moves arrays to where the fields are.
-        """
         of_motors, of_hinges = (np.stack(tone) for tone in zip(*tones, strict=True))
         motors, hinges = (np.flatnonzero(tone.any(axis=(0, 2))) for tone in (of_motors, of_hinges))
         self.fields = (*(FIELDS[:1] if len(motors) else ()), *(FIELDS[1:] if len(hinges) else ()))

@@ -1,16 +1,48 @@
 """The control step: commands arrive, physics is simulated, senses are sampled, for any infants in any simulations."""
 
+from collections import defaultdict
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Generic, TypeVar
 
 import mujoco
 
 from mimoc.bundle.model import out_of_memory
-from mimoc.runtime.delays.merging import MergedSegment, merge_segments
 from mimoc.runtime.delays.schedule import Schedule, Segment
 from mimoc.runtime.sense import FloatArray
 
 Key = TypeVar("Key", bound=Hashable)
+
+
+@dataclass(frozen=True, slots=True)
+class MergedSegment(Generic[Key]):
+    """A part of a control step in which no infant's command arrives and no sense is sampled.
+
+    anna    |--- 2 ---|--- 2 ---|
+    ben     |-- 1 -|----- 3 ----|
+    merged  |  1   |1 |    2    |
+    """
+
+    begun: Sequence[tuple[Key, Segment]]
+    """The segments that begin at its start, with their infants."""
+    physics_steps: int
+    ended: Sequence[tuple[Key, Segment]]
+    """The segments that end at its end, likewise."""
+
+
+def merge_segments(segments: Mapping[Key, Sequence[Segment]]) -> list[MergedSegment[Key]]:
+    """Return the segments of some infants, whose control steps are as long as each other's, side by side."""
+    begun: defaultdict[int, list[tuple[Key, Segment]]] = defaultdict(list)
+    ended: defaultdict[int, list[tuple[Key, Segment]]] = defaultdict(list)
+    for infant, parts in segments.items():
+        time = 0
+        for segment in parts:
+            begun[time].append((infant, segment))
+            time += segment.physics_steps
+            ended[time].append((infant, segment))
+    cuts = sorted({*begun, *ended})
+    return [MergedSegment(begun[start], end - start, ended[end]) for start, end in pairwise(cuts)]
 
 
 class ControlStep(Generic[Key]):

@@ -196,11 +196,7 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
 
 def infant_of(function: str, env: Any, advice: str = "make one with mimoc.make") -> InfantEnv:
-    """Return the infant of an environment, whatever wraps it.
-
-    Raises:
-        TypeError: If it has none, or several; it names the function that was called, and says what to do.
-    """
+    """Return the infant of an environment, whatever wraps it."""
     inside = getattr(env, "unwrapped", env)
     if not isinstance(inside, InfantEnv):
         raise TypeError(f"{function}: expected an environment of mimoc's, got {described(inside)}; {advice}")

@@ -49,12 +49,7 @@ class Objects:
         return tuple(fields)
 
     def start(self, data: mujoco.MjData, poses: Mapping[str, Pose]) -> None:
-        """Put objects elsewhere in a state that is a keyframe, and all others where they were built; tie ribbons.
-
-        Args:
-            data: The state, whose kinematics are computed anew if anything is elsewhere.
-            poses: Where they are put, by name; see `find_poses`.
-        """
+        """Put objects elsewhere in a state that is a keyframe, and all others where they were built; tie ribbons."""
         self._write(self._built)
         if not poses:
             return
@@ -74,13 +69,7 @@ class Objects:
     def find_poses(
         self, start: Callable[[mujoco.MjData], None], moves: Mapping[str, Move], earlier: Mapping[str, Pose] = NOWHERE
     ) -> dict[str, Pose]:
-        """Return where objects are put that are moved, one after another; nothing changes.
-
-        Args:
-            start: Puts a state into the keyframe and the poses that the episode starts from.
-            moves: Where they are to be.
-            earlier: Where others have been put before.
-        """
+        """Return where objects are put that are moved, one after another; nothing changes."""
         if not moves:
             return {}
         model, data = self._model, mujoco.MjData(self._model)

@@ -34,13 +34,6 @@ def resolve_penetrations(
 
     Joints, and what lies around, give way by as little as needed, weighted by inertia; nothing else is pushed deeper
     into anything than it was.
-
-    Args:
-        model: The infants and their world.
-        data: Its state; of what is derived from it, the positions are computed anew.
-        root_bodies: The root of each infant, which has a free joint.
-        fixed: Degrees of freedom that do not give way.
-        before: Penetrations before they grew.
     """
     roots = [model.body(name).id for name in root_bodies]
     heights = model.jnt_qposadr[model.body_jntadr[roots]] + 2

@@ -127,21 +127,11 @@ class Simulation:
             seeds: By infant; one without a seed goes on drawing.
             options: By infant, its `pose`, `arousal` and `age_months`, and `objects` that are elsewhere.
             scene_seed: The scene, from now on.
-
-        Returns:
-            Observation and info of each infant.
-
-        Raises:
-            UnknownNameError: If there is no such pose, object or option.
-            TypeError: If options are no dictionary.
-            ValueError: If a seed, an age, an arousal or the place of an object is none that there can be.
-            MimocError: If there are no such infants, and nothing has changed then; or if infants are within each other
-                in these poses, and no episode is on then.
         """
         given = {name: self._options(name, options.get(name)) for name in self.infants}
         seeds = {name: checked_seed(seed) for name, seed in seeds.items() if seed is not None}
         ages = {name: of_infant[AGE] for name, of_infant in given.items() if AGE in of_infant}
-        variant = self._find(ages, given.get("", NOTHING).get(SEED, scene_seed))
+        variant = self.find(ages, given.get("", NOTHING).get(SEED, scene_seed))
         poses, elsewhere = growing.find_start(given, variant or self._variant, self.infants, is_new=bool(variant))
         for infant in self.infants.values():
             infant.observer.resetting()
@@ -194,7 +184,7 @@ class Simulation:
 
     def grow(self, ages_months: Mapping[str, float]) -> None:
         """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`."""
-        variant = self._find(ages_months)
+        variant = self.find(ages_months)
         if variant is None:
             return
         growing.check_same_body(self.bare, variant.bare)
@@ -235,15 +225,9 @@ class Simulation:
 
         All later steps are exactly as they would have been from there. Derived quantities (contacts, positions of
         bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before.
-
-        Raises:
-            ValueError: If it is no state of these infants, or one that cannot be restored here; nothing has changed
-                then.
-            MimocError: If there are no such infants.
         """
         ages = {name: infant[AGE] for name, infant in _infants_in(state, [*self.infants]).items()}
-        manifest = self.bundle.manifest
-        variant = growing.variant_of_state(self._variants, manifest, self.ages_months, ages, state[SEED])
+        variant = self.find_in_state(ages, state[SEED])
         with self._undone_on_failure() as before:
             if variant:
                 self._become(variant)
@@ -315,10 +299,15 @@ class Simulation:
         size_px = shown.width_px, shown.height_px
         return EnvRenderer(shown.mode, self.bare, self.data, self.bundle.manifest, roots, size_px)
 
-    def _find(self, ages_months: Mapping[str, Any], scene_seed: int | None = None) -> Variant | None:
+    def find(self, ages_months: Mapping[str, Any], scene_seed: int | None = None) -> Variant | None:
         """Return the infants with ages and a scene, or None if they have these already; see `growing.find_variant`."""
         now, wanted = self.ages_months, {**self.ages_months, **ages_months}
         return growing.find_variant(self._variants, self.bundle.manifest, now, wanted, scene_seed)
+
+    def find_in_state(self, ages_months: Mapping[str, Any], scene_seed: Any) -> Variant | None:
+        """Return the infants of a state, or None if they are those of now; see `growing.variant_of_state`."""
+        manifest = self.bundle.manifest
+        return growing.variant_of_state(self._variants, manifest, self.ages_months, ages_months, scene_seed)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infants at other ages or in another scene, where nothing is started yet."""

@@ -46,15 +46,6 @@ def train_together(
     at a time, more often. Each training is what `train` does with the same settings, and has the same folder; where one
     was interrupted, all go on.
 
-    Args:
-        wishes: The trainings. Their infants must be able to live in one batch: see `mimoc.make_vec`.
-        device: As for `train`.
-        steps: Control steps of each training, summed over its infants.
-        envs: Number of infants of each.
-        hyper: Hyperparameters that differ from the defaults, for all.
-        checkpoint_every: Control steps of each training between its checkpoints, as for `train`.
-        progress: Called with the number of steps done, and of all trainings.
-
     Raises:
         MimocError: As `train` does, and `make_vec` for infants that cannot live in one batch.
     """

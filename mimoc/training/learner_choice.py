@@ -28,12 +28,7 @@ def choose_learner(
     processes: bool | None,
     record: str | Path | None,
 ) -> LearnerOpener:
-    """Return what opens the parallel environments of a training, and what learns from them; see `train`.
-
-    Raises:
-        DeviceError: If the infant cannot live on the device.
-        MimocError: If it sees images there, or cannot grow between the ages of the training.
-    """
+    """Return what opens the parallel environments of a training, and what learns from them; see `train`."""
     if settings.device != CPU:
         from mimoc.training.device_learner import check_on_device, device_learner
 

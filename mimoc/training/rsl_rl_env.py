@@ -77,16 +77,7 @@ class InfantRslEnv(VecEnv):
 
     @without_gradients
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]:
-        """Make a control step with an action of each infant, shape (num_envs, num_actions).
-
-        Returns:
-            What they observe then, after the reset of those whose episode has ended; rewards; whether an episode has
-            ended, all of shape (num_envs,); and, by name, `time_outs`, whether it was truncated, `is_success`,
-            `overflowed`, whether contacts did not fit (see `DeviceEnv`), and `log`, numbers for rsl_rl's logger.
-
-        Raises:
-            MimocError: As `DeviceEnv.step` does.
-        """
+        """Make a control step with an action of each infant, shape (num_envs, num_actions)."""
         observation, reward, terminated, truncated, info = self.infants.step(actions)
         flags_by_name = {name: info[name] for name in ("is_success", "overflowed")}
         log = {f"/{name}": flags.float().mean() for name, flags in flags_by_name.items()}

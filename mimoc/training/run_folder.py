@@ -102,10 +102,6 @@ def open_run_folder(
     """Open and lock the folder of a training run: a new or empty folder, or that of the same run, to resume it.
 
     With *force*, the training run in the folder is discarded, even one with other settings.
-
-    Raises:
-        TrainingError: If the folder holds anything else, or another process is training in it.
-        OutputError: If the folder cannot be written.
     """
     path = Path(out).expanduser()
     _check_is_run_folder(path)

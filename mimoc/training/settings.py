@@ -162,10 +162,6 @@ class TrainingSettings:
         Without `checkpoint_every`, it is CHECKPOINT_EVERY, or as many control steps as one whole episode of each
         environment if these are more (on a device, DEVICE_EPISODES): environments are reset at each checkpoint, and no
         episode would ever end.
-
-        Raises:
-            UnknownNameError: If there is no such algorithm or hyperparameter.
-            TrainingError: If a value is out of range, or two values are incompatible.
         """
         counts = {"steps": steps, "envs": envs, "checkpoint_every": checkpoint_every}
         for name, value in {**counts, "steps_per_episode": steps_per_episode}.items():

@@ -53,12 +53,6 @@ class MovementReader:
     """
 
     def __init__(self, env: Infant, groups: Sequence[str] = tuple(GROUPS)):
-        """Bind columns to an infant.
-
-        Args:
-            env: The infant.
-            groups: Names of groups.
-        """
         self._env, self._names = env, checked_groups(groups)
         self._bind()
         columns = [column for group in self._groups for column in group.columns]

@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from mimoc.runtime.batch.physics import ThreadedPhysics
 from mimoc.runtime.batch.senses import BatchSense, Read
-from mimoc.runtime.control_step import ControlStep
-from mimoc.runtime.delays.merging import MergedSegment
+from mimoc.runtime.control_step import ControlStep, MergedSegment
 from mimoc.runtime.delays.schedule import Segment, arrived
 from mimoc.runtime.delays.signals import DelayedSamples
 from mimoc.runtime.infant import Infant

@@ -21,13 +21,6 @@ class ThreadedPhysics:
     """
 
     def __init__(self, models: Sequence[mujoco.MjModel], datas: Sequence[mujoco.MjData], threads: int | None = None):
-        """Simulate infants.
-
-        Args:
-            models: The model of each; they may differ, and may change at any time.
-            datas: The state of each, likewise.
-            threads: How many to use, or all that this process may use.
-        """
         self.models, self.datas = list(models), list(datas)
         self.threads = threads or usable_threads()
         self._pool: ThreadPoolExecutor | None = None

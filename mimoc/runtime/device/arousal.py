@@ -15,13 +15,6 @@ class DeviceArousal:
     """The arousal of all infants; as built, until it is set."""
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, model: mjw.Model):
-        """Find what it changes.
-
-        Args:
-            infants: Of the different bodies.
-            body: Which of them lives in each world, shape (worlds,).
-            model: The model of all worlds, as built, whose arrays of these fields each world has for itself.
-        """
         tones = [tone_of(infant.manifest.actuation, infant.model) for infant in infants]
         fields = [wp.to_torch(getattr(model, name)) for name in FIELDS]
         which = body.tolist()

@@ -49,13 +49,6 @@ class WorldsModel:
     """
 
     def __init__(self, models: Sequence[mujoco.MjModel], body_of_world: IntArray, changed: Collection[str] = ()):
-        """Put bodies into worlds.
-
-        Args:
-            models: The different bodies; at least one.
-            body_of_world: Which of them lives in each world, shape (worlds,).
-            changed: Fields that episodes change, so that each world needs its own even if all bodies agree.
-        """
         self._source, self._count, self._own = models[0], len(body_of_world), set(changed)
         self._first = _put(models[0])
         self.warp = _put(models[0], dict.fromkeys(sorted(changed), self._count))

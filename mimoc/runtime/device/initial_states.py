@@ -109,16 +109,6 @@ def sample_initial_states(
     """Return the starts of all infants with some options of a reset.
 
     Start k of an infant is that of a single environment with seed k; an infant without chance in its starts has one.
-
-    Args:
-        infants: The different bodies.
-        body: Which of them lives in each world, shape (worlds,).
-        most: How many starts each has, if there is chance in them.
-        options: The pose and the places of objects, or their own.
-        readers: What reads senses that are no terms.
-        model: The model of all worlds.
-        data: Their states, which are lent to see what eyes see at the starts.
-        drawn: The starts that have been drawn before, by infant and options; others are added.
     """
     rows = changed_rows(infants[0])
     for infant in infants:

@@ -30,18 +30,14 @@ Find = Callable[[InfantEnv, Any], Variant | None]
 
 def variant_of_options(infant: InfantEnv, options: Mapping[str, Any]) -> Variant | None:
     """Return the infant with the age and the scene of options of a reset; see `growing.find_variant`."""
-    now = {"": infant.age_months}
-    wanted = {"": options.get(growing.AGE, infant.age_months)}
-    variants, manifest = infant.simulation.variants, infant.manifest
-    return growing.find_variant(variants, manifest, now, wanted, options.get(growing.SEED))
+    ages = {"": options[growing.AGE]} if growing.AGE in options else {}
+    return infant.simulation.find(ages, options.get(growing.SEED))
 
 
 def variant_of_state(infant: InfantEnv, state: Any) -> Variant | None:
     """Return the infant that a state is of; see `growing.variant_of_state`."""
     demand(isinstance(state, Mapping) and {growing.AGE, growing.SEED} <= state.keys(), "", state)
-    now, wanted = {"": infant.age_months}, {"": state[growing.AGE]}
-    variants, manifest = infant.simulation.variants, infant.manifest
-    return growing.variant_of_state(variants, manifest, now, wanted, state[growing.SEED])
+    return infant.simulation.find_in_state({"": state[growing.AGE]}, state[growing.SEED])
 
 
 class StartingInfant(InfantEnv):
@@ -124,12 +120,7 @@ class Residents:
     """Of which infant that the environment was made of it is an age, shape (worlds,)."""
 
     def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = variant_of_options) -> "Residents":
-        """Return who lives there if each world's infant gets an age and a scene; nothing has changed if that fails.
-
-        Args:
-            wanted: `age_months` and `scene_seed` for each world; those that are missing stay as they are.
-            find: Says which infant that is.
-        """
+        """Return who lives there if each world's infant gets an age and a scene; nothing has changed if that fails."""
         if not any(map(_is_change, wanted)):
             return self
         made: dict[Any, InfantEnv] = {}

@@ -76,13 +76,7 @@ class DeviceSimulation:
         self.default_starts = self.starts(AS_BUILT)
 
     def become(self, infants: Sequence[InfantEnv], body_of_world: IntArray, worlds: IntArray) -> None:
-        """Let other bodies live in some worlds, as they are built; all else goes on as it is.
-
-        Args:
-            infants: All different bodies from now on.
-            body_of_world: Which of them lives in each world, shape (worlds,).
-            worlds: Where another one lives than before.
-        """
+        """Let other bodies live in some worlds, as they are built; all else goes on as it is."""
         models = [infant.model for infant in infants]
         bodies, has_moved = self._fields.fit(models, changed_fields(infants))
         if has_moved:
@@ -179,12 +173,7 @@ class DeviceSimulation:
         self.observe()
 
     def settle(self) -> None:
-        """Count what did not fit in the last step, if that has not been done, and make more room where it was short.
-
-        Raises:
-            DeviceError: If commands or rewards were not finite, or the room is as large as it gets and many infants
-                lost contacts.
-        """
+        """Count what did not fit in the last step, if that has not been done, and make more room where it was short."""
         if self.ended.report is None:
             return
         report, self.ended.report = self.ended.report.cpu().numpy(), None

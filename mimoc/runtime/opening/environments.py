@@ -78,9 +78,6 @@ def open_infant(
     """Return the environment of an infant, without Gymnasium's wrappers; see `make`.
 
     Here the keys of a spec are enough, so that a data set can say in JSON what it was recorded of.
-
-    Raises:
-        MimocError: If no infant is given, or an option is unknown; and as `make` does.
     """
     if bundle is None:
         raise MimocError(f"{NO_INFANT}; or take the average child of a task: mimoc/Reach-v0 with age_months=9")

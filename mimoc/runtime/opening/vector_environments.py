@@ -102,7 +102,7 @@ def make_vec(
         raise MimocError(
             f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
         )
-    skin = _skin_on(device)
+    skin = None if device == "cpu" else False  # No device draws any.
     prepared = [environments.prepared(sources[0], skin=skin)]
     prepared += [environments.prepared(source, prepared[0]["variants"], skin) for source in sources[1:]]
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, **options)
@@ -169,7 +169,7 @@ def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | D
             values are repeated in turn.
     """
     lists = {name: listed(options[name]) for name in ("bundle", "age_months") if name in options}
-    prepared, rest, skin = [], options, _skin_on(options.get("device", "cpu"))
+    prepared, rest, skin = [], options, None if options.get("device", "cpu") == "cpu" else False
     for index in range(min(num_envs, math.lcm(*map(len, lists.values())))):
         options_of_infant = {name: values[index % len(values)] for name, values in lists.items()}
         parts, rest = environments.prepared_task(kind, **{**options, **options_of_infant}, skin=skin)
@@ -185,14 +185,6 @@ def make_vec_infant(
     if infants is None:
         raise MimocError(f"{environments.NO_INFANT}, or a list of them")
     return make_vec(infants, num_envs, **options)
-
-
-def _skin_on(device: str) -> bool | None:
-    """Return whether many infants have skins, if their specs do not say; None: those that see them.
-
-    No device draws any.
-    """
-    return None if device == "cpu" else False
 
 
 def _joined(

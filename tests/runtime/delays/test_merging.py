@@ -4,7 +4,7 @@ from itertools import pairwise
 
 from hypothesis import given, strategies as st
 
-from mimoc.runtime.delays.merging import merge_segments
+from mimoc.runtime.control_step import merge_segments
 from mimoc.runtime.delays.schedule import Segment
 
 CUTS = st.lists(st.integers(1, 9), unique=True).map(sorted)
