@@ -21,10 +21,8 @@ class Reading:
     """One array of an observation."""
 
     name: str
-    """Its name in the observation."""
     shape: tuple[int, ...]
     dtype: str
-    """NumPy's name of its type."""
     kind: Literal["dense", "sparse", "picture"]
     """How it is kept: every number, those that are not zero, or as a frame of a video."""
     layout: tuple[str, ...] = ()

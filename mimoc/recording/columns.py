@@ -18,7 +18,6 @@ from mimoc.schema.entries import ControlStep, Count
 
 NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
 WORD = re.compile(r"\w{1,100}")
-"""The name of a movement column."""
 MOST = 5_000_000
 """Names of all numbers of an observation; the densest skins have a tenth."""
 LONG = 100

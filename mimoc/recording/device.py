@@ -37,8 +37,8 @@ class DeviceInfant:
     def __init__(self, env: Any, world: int):
         self._env, self._world = env, world
         self.infants, self.simulation, self.observation_space = {"": self}, self, env.single_observation_space
-        self.seen: Observation = {name: np.zeros(space.shape, space.dtype) for name, space in _spaces(env).items()}
-        """What it observed last."""
+        spaces = env.single_observation_space.spaces
+        self.seen: Observation = {name: np.zeros(space.shape, space.dtype) for name, space in spaces.items()}
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._env.residents.infant(self._world), name)
@@ -71,7 +71,6 @@ class DeviceRecorder(Closing, VectorWrapper):
         super().__init__(env, Recording(infants, folder, part_rows=part_rows, movement=groups, note=NOTE))
         self._ended = np.zeros(len(self._infants), bool)
         self._begun = False
-        """Whether episodes have begun."""
         self._fields: dict[str, npt.NDArray[Any]] = {}
         self._time_s = np.zeros(len(self._infants))
 
@@ -158,11 +157,6 @@ class DeviceRecorder(Closing, VectorWrapper):
         mujoco.mj_forward(infant.model, infant.data)  # After a reset, a device has computed nothing of this yet.
         infant.observer.resetting()
         infant.observer.was_reset(seed, options, infant.seen, {name: info[name] for name in (AGE,) if name in info})
-
-
-def _spaces(env: Any) -> Mapping[str, Any]:
-    spaces: Any = env.single_observation_space
-    return spaces.spaces
 
 
 def _array(values: Any) -> npt.NDArray[Any]:

@@ -71,7 +71,6 @@ class RecordingFolder:
 
     path: Path
     description: Description
-    """Content of `recording.json`."""
     handle: int = field(repr=False)
 
     def stem(self, infant: int, number: int) -> Path:

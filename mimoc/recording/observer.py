@@ -119,7 +119,6 @@ class RecordedSimulation:
     next_number: int
     """Number of the next episode, which is that of all infants."""
     observers: list["RecordingObserver"] = field(default_factory=list)
-    """Of each infant, in order."""
     number: int = 0
     before: dict[str, Any] = field(default_factory=dict)
     physics: bytes = b""
@@ -216,11 +215,10 @@ class RecordingObserver(Observer):
         elif self is shared.keeper and shared.has_states and shared.physics != self._physics_now():
             self._change("physics", physics_of(infant.model, infant.data))
         if infant.companions:
-            for name, companion in self.infant.companions.items():
-                known = self._shared.orders.get(id(companion), 0)
-                for order in companion.orders[known:]:
+            for name, companion in infant.companions.items():
+                for order in companion.orders[shared.orders.get(id(companion), 0) :]:
                     self._change("order", {"companion": name, "order": dict(order)})
-                self._shared.orders[id(companion)] = len(companion.orders)
+                shared.orders[id(companion)] = len(companion.orders)
 
     def stepped(
         self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]

@@ -49,7 +49,6 @@ class VideoFrames:
         self._env, self._eyes, self._height_px = infant, eyes, height_px
         self._shown: Shown = shown
         self.shot: Shot | None = None
-        """Shot of the last frame."""
         self._open()
 
     def _open(self) -> None:

@@ -64,7 +64,7 @@ def replay_recording(
                 raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
 
     def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
-        objects = deepcopy({"senses": dict(senses), "companions": dict(companions)})
+        objects: Any = deepcopy({"senses": dict(senses), "companions": dict(companions)})
         if isinstance(bundle, WorldBundle):
             from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
 

@@ -318,7 +318,6 @@ class _Comparison(Observer):
         _check_observations(infant, episode)
         self._infant, self._episode = infant, episode
         self.difference: Difference | None = None
-        """The first difference so far."""
         pictures = [reading for reading in episode.described.readings if reading.kind == "picture"]
         self._pictures = {reading.name: _frames(episode, reading) for reading in pictures}
         self._dtype, self._block, self._steps = np.dtype(ACTION), self._new_block(0), 0

@@ -23,7 +23,6 @@ from mimoc.schema.actuation import ActuationEntry
 OF_BIAS, OF_HINGE = 3, 2
 """Number of parameters that tone changes."""
 MOST = 2.0
-"""Largest arousal."""
 FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"
 """Arrays of the model that arousal changes: of motors, and of hinges with muscles."""
 

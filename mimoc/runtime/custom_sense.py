@@ -48,16 +48,7 @@ class TermSense(Measure, Vector):
         high: FloatArray | float,
         bodies: IntArray | None = None,
     ):
-        """Describe the numbers; see `Vector`.
-
-        Args:
-            name: Of the sense, and of its array in the observation.
-            term: Measures them of one infant.
-            layout: What each number is, with its unit.
-            low: Least value to be observed, of all numbers or of each, shape (n,); finite.
-            high: Largest one, likewise.
-            bodies: The body in which each is measured, shape (n,).
-        """
+        """Describe the numbers as for a `Vector`; *term* measures them of one infant."""
         Vector.__init__(self, name, layout, low, high, bodies)
         Measure.__init__(self, term)
         self.term = term

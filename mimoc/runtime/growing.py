@@ -161,7 +161,8 @@ def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
 
 
 def _age(age_months: Any) -> float:
-    if isinstance(age_months, bool) or not isinstance(age_months, Real) or not 0.0 <= age_months <= OLDEST_MONTHS:
+    months: Any = age_months
+    if isinstance(months, bool) or not isinstance(months, Real) or not 0.0 <= age_months <= OLDEST_MONTHS:
         raise ValueError(f"expected an age from 0 to {OLDEST_MONTHS:g} months, got {age_months!r}")
     return rounded(float(age_months))
 

@@ -86,14 +86,8 @@ def _part(
     """Move all degrees of freedom, by how much each yields, so that no contact is too deep.
 
     Contacts that are not too deep stay as they are: neither a hand between the head and the floor nor a toy beneath a
-    leg is pushed into the floor.
-
-    Args:
-        model: The infant and its world.
-        data: Its state.
-        touching: Contacts with penetration.
-        excess_m: By how much each contact is too deep, shape (ncon,).
-        yielding: How much each degree of freedom gives way, shape (nv,).
+    leg is pushed into the floor. *touching* are the contacts with penetration, *excess_m*, shape (ncon,), is by how
+    much each contact is too deep, and *yielding*, shape (nv,), how much each degree of freedom gives way.
     """
     rows = np.array([_gap_rate(model, data, index) for index in touching])
     yielding, before = yielding.copy(), data.qpos.copy()

@@ -81,7 +81,6 @@ class EarlyEnding(RolloutStorage):
     """A rollout that gives no more parts to learn from once the policy has moved too far from the one that made it."""
 
     actor: MLPModel
-    """The policy that learns."""
     target_kl: float
     """KL divergence from the former policy, as a mean over a part, beyond which it gives no more."""
     parts = 0

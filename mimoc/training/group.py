@@ -78,7 +78,6 @@ class _Run:
     infant: InfantEnv
     open_one: Callable[..., InfantEnv]
     done: int
-    """Its control steps so far."""
     share: Share | None = None
     """Its infants on the device; None if it is finished."""
 

@@ -13,7 +13,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.training.learner import Learner
 from mimoc.training.sb3_learner import sb3_learner
 from mimoc.training.settings import CPU, TrainingSettings
-from mimoc.training.vector_env import growth_of, infants_together, normalized, worlds_together
+from mimoc.training.vector_env import growth_of, normalized, rows_together
 
 LearnerOpener = Callable[[], AbstractContextManager[Learner]]
 """Opens parallel environments, and what learns from them."""
@@ -35,10 +35,8 @@ def choose_learner(
         check_on_device(settings.device, infant)
         return partial(device_learner, settings, infant, open_one)
     growth = growth_of(bundle, settings)
-    if isinstance(bundle, WorldBundle):
-        open_rows: Any = partial(worlds_together, open_one, settings, len(bundle.infants), growth, threads)
-    else:
-        open_rows = partial(infants_together, open_one, settings, growth, threads, processes)
+    infants = len(bundle.infants) if isinstance(bundle, WorldBundle) else 1
+    open_rows = partial(rows_together, open_one, settings, growth, threads, processes, infants)
     open_envs = partial(normalized, open_rows, settings)
     return partial(sb3_learner, settings, infant, open_envs, record)
 

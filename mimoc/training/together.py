@@ -30,7 +30,6 @@ class _Course:
         self._coroutine: Any = coroutine
         self._random = _random_states()
         self.wants: Wanted
-        """The step that it waits for."""
         self.result: Any = None
 
     def go_on(self, outcome: Any) -> bool:

@@ -124,7 +124,6 @@ CLASS_ATTRIBUTES = "class_attributes"
 
 
 GROWN = "grown"
-"""The schedule if none is given."""
 
 
 def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, steps: int) -> dict[str, Any]:
@@ -154,12 +153,9 @@ def growth_of(bundle: Bundle | WorldBundle, settings: TrainingSettings) -> Growt
         return None
     growth, seed = settings.growth, bundle.manifest.seed
     ages_months = read_ages(growth["grow"])
-    if isinstance(bundle, WorldBundle):
-        variants: Any = WorldBundleVariants(bundle)
-        youngest, oldest = (variants(dict.fromkeys(bundle.infants, age), seed) for age in ages_months)
-    else:
-        variants = BundleVariants(bundle)
-        youngest, oldest = (variants(age_months, seed) for age_months in ages_months)
+    variants: Any = BundleVariants(bundle) if isinstance(bundle, Bundle) else WorldBundleVariants(bundle)
+    wanted = [age if isinstance(bundle, Bundle) else dict.fromkeys(bundle.infants, age) for age in ages_months]
+    youngest, oldest = (variants(age, seed) for age in wanted)
     check_same_body(youngest.model, oldest.model)
     steps = max(growth["grow_steps"] // settings.envs, 1)
     return Growth(growth_schedule(growth["schedule"], ages_months, steps, seed=settings.seed), variants)
@@ -175,34 +171,26 @@ def seek(env: VecNormalize, settings: TrainingSettings, steps_done: int) -> None
         env.env_method("seek", steps_done // settings.envs)
 
 
-def infants_together(
-    open_env: Callable[..., InfantEnv],
+def rows_together(
+    open_one: Callable[..., InfantEnv | WorldEnv],
     settings: TrainingSettings,
     growth: Growth | None,
     threads: int | None,
     processes: bool | None,
+    infants: int = 1,
 ) -> VecEnv:
-    """Return the infants of a training run, a row each; see `train` for *threads* and *processes*."""
-    openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
+    """Return the infants of a training run, a row each; see `train` for *threads* and *processes*.
+
+    Each world has so many *infants*; those of worlds with several are worked through together.
+    """
+    openers: list[Any] = [partial(open_one, variants=growth.variants) if growth else open_one]
+    openers *= settings.envs // infants
     limit = settings.steps_per_episode
     if processes is None:
         schedule = growth and growth.schedule
         return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
     alone: list[Callable[[], Any]] = [partial(_open_alone, opener, growth, limit) for opener in openers]
     return SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
-
-
-def worlds_together(
-    open_world: Callable[..., WorldEnv],
-    settings: TrainingSettings,
-    infants: int,
-    growth: Growth | None,
-    threads: int | None,
-) -> VecEnv:
-    """Return the infants of all worlds of a training run, a row each; each world has so many."""
-    openers = [partial(open_world, variants=growth.variants) if growth else open_world] * (settings.envs // infants)
-    schedule = growth and growth.schedule
-    return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, settings.steps_per_episode, schedule))
 
 
 def normalized(open_rows: Callable[[], VecEnv], settings: TrainingSettings) -> VecNormalize:

@@ -55,7 +55,6 @@ class InitialStates:
     fields: Mapping[str, Table]
     """Fields of the state, and of the model where episodes change them."""
     memory: Mapping[str, Table]
-    """What the task remembers."""
     samples: dict[str, torch.Tensor]
     """What each sense measures at the start, shape (starts, n)."""
 

@@ -75,15 +75,9 @@ class DelayLine:
         are_commands: bool = False,
         dtype: torch.dtype = torch.float32,
     ):
-        """Begin with nothing on the way.
+        """Begin with nothing on the way: *delays* are of each body, *body* is the one in each world, shape (worlds,).
 
-        Args:
-            delays: Those of each body.
-            period: Physics steps in a control step.
-            body: The one that is in each world, shape (worlds,).
-            uniforms: Draws the deviations of delays.
-            are_commands: Whether these are commands, or samples.
-            dtype: That of the numbers.
+        A control step has *period* physics steps.
         """
         self._period, self._worlds, self._uniforms = period, torch.arange(len(body), device=body.device), uniforms
         self._is_jittered = bool(delays.jitter.any())

@@ -60,7 +60,6 @@ class DeviceSense:
         terms: list[Any] = [infant.senses[name].term for infant in infants]
         self._term: Any = None if device else term_of_worlds(f"sense '{name}'", terms, body)
         self.noise = noise_of(name, infants, body, chance)
-        """Its noise, if it has any."""
         self._timestep_s, self._period = ms_to_s(manifest.timestep_ms), round(manifest.step_ms / manifest.timestep_ms)
         self.spaces: list[Mapping[str, Box]] = [
             getattr(self.reader, "spaces", infant.senses[name].spaces) for infant in infants

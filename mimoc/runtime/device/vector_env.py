@@ -98,7 +98,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         """What observations and rewards are: `numpy`, `torch` or `warp`."""
         which = np.arange(self.num_envs) % len(infants)
         self.residents = Residents(tuple(infants), which, which)
-        """Who lives in each world."""
         with present(self.device):
             room = contacts, constraints
             self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
