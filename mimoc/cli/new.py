@@ -57,8 +57,7 @@ Task = Annotated[
 Impairment = Annotated[
     str | None,
     typer.Option(
-        help="hemiparesis, diplegia, brachial_plexus_palsy, hypotonia or preterm.",
-        autocompletion=_of("impairment"),
+        help="hemiparesis, diplegia, brachial_plexus_palsy, hypotonia or preterm.", autocompletion=_of("impairment")
     ),
 ]
 Side = Annotated[str | None, typer.Option(help="left or right.", autocompletion=_of("side"))]

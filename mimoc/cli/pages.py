@@ -39,10 +39,7 @@ def report(
 
 
 def experiment(
-    name: Annotated[
-        str,
-        typer.Argument(metavar="NAME", help=f"One of: {', '.join(EXPERIMENTS)}."),
-    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help=f"One of: {', '.join(EXPERIMENTS)}.")],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, figures and report.")],
     quick: Annotated[
         bool,

@@ -56,12 +56,7 @@ class DeviceRecorder(Closing, VectorWrapper):
     """A vector environment on a device whose infants' episodes are recorded, from their first reset on."""
 
     def __init__(
-        self,
-        env: Any,
-        folder: str | Path,
-        *,
-        part_rows: int = PART_ROWS,
-        movement: Sequence[str] = tuple(GROUPS),
+        self, env: Any, folder: str | Path, *, part_rows: int = PART_ROWS, movement: Sequence[str] = tuple(GROUPS)
     ):
         self._device_env: Any = env.unwrapped
         first = self._device_env.infants[0]

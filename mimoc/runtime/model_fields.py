@@ -1,6 +1,5 @@
 """What an episode changes in a model, declared, so that a state of an environment includes it."""
 
-import copy
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -53,12 +52,6 @@ class ModelFields:
                 array[rows] = values
             elif not np.array_equal(array[rows], values):
                 field.write(self._model, values)
-
-    def model_as_built(self) -> mujoco.MjModel:
-        """Return a copy of the model in which no episode has changed anything."""
-        built = copy.copy(self._model)
-        self.write_as_built(built)
-        return built
 
     def write_as_built(self, model: mujoco.MjModel) -> None:
         """Write what this model was before any episode into a copy of it."""

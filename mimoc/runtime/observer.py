@@ -29,10 +29,7 @@ class Observer:
         """Be told that the infant is about to make a control step."""
 
     def stepped(
-        self,
-        action: npt.NDArray[Any],
-        observation: Observation,
-        judged: tuple[float, bool, bool, Mapping[str, Any]],
+        self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
     ) -> None:
         """Be told of a control step: the action, and what `step` returns; arrays may be changed afterwards."""
 

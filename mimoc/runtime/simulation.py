@@ -145,7 +145,13 @@ class Simulation:
         if variant:
             self.renderer.start_again(self.bare, self.data)
         self.renderer.show()
-        return {name: self._was_reset(infant, seeds.get(name), given[name]) for name, infant in self.infants.items()}
+        started: dict[str, tuple[Observation, dict[str, Any]]] = {}
+        for name, infant in self.infants.items():
+            observation = infant.observe()
+            info = {"is_success": False, "reward_terms": {}, "unstable": False, AGE: infant.age_months}
+            infant.observer.was_reset(seeds.get(name), given[name], observation, info)
+            started[name] = observation, info
+        return started
 
     def step(self, actions: Mapping[str, Any]) -> dict[str, Stepped]:
         """Make one control step; infants without an action command nothing, and their episodes do not go on."""
@@ -343,14 +349,6 @@ class Simulation:
         """Return the ages by schedule that infants do not have yet."""
         due = {name: schedule(self.steps_done) for name, schedule in self.schedules.items()}
         return {name: age_months for name, age_months in due.items() if age_months != self.infants[name].age_months}
-
-    def _was_reset(
-        self, infant: Infant, seed: int | None, options: Mapping[str, Any]
-    ) -> tuple[Observation, dict[str, Any]]:
-        observation = infant.observe()
-        info = {"is_success": False, "reward_terms": {}, "unstable": False, AGE: infant.age_months}
-        infant.observer.was_reset(seed, options, observation, info)
-        return observation, info
 
     @bounded()
     def _start(

@@ -329,10 +329,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         self._renderers.close()
 
     def _reset_world(
-        self,
-        world: int,
-        seeds: Sequence[int | None] | None = None,
-        options: Sequence[dict[str, Any]] | None = None,
+        self, world: int, seeds: Sequence[int | None] | None = None, options: Sequence[dict[str, Any]] | None = None
     ) -> dict[int, tuple[Observation, dict[str, Any]]]:
         """Start an episode of all infants of a world, with the seeds and options of its rows; return those by row."""
         rows, simulation = self._batch.rows_of(world), self.simulations[world]
