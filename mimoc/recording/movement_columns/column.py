@@ -39,7 +39,9 @@ class Values(NamedTuple):
     """The values of some columns at some times."""
 
     numbers: FloatArray
+    """Of the columns that have numbers, shape (times, columns)."""
     texts: Sequence[tuple[str, ...]] = ()
+    """Of those that have names: for each time a tuple; none if there are no such columns."""
 
 
 @dataclass(frozen=True, slots=True)

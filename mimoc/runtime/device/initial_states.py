@@ -36,6 +36,7 @@ class Table(NamedTuple):
     """Some numbers of a world at each start."""
 
     values: torch.Tensor
+    """Shape (starts, rows, ...)."""
     rows: Any = ...
     """Which rows of a world's numbers these are; by default, all."""
 

@@ -32,6 +32,7 @@ class DeviceSetup:
 
     infants: Sequence[InfantEnv]
     body: torch.Tensor
+    """The body that lives in each world, shape (worlds,)."""
     model: mjw.Model
     touch: str
     """How touch is told: the option of the environment."""

@@ -11,7 +11,7 @@ import warp as wp
 from gymnasium.vector import AutoresetMode
 
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.runtime.device.arousal import DeviceArousal
+from mimoc.runtime.arousal import FIELDS, MOST, ToneInModels, tone_of
 from mimoc.runtime.device.arrays import device_worlds, put, where_worlds
 from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, place_fixed
 from mimoc.runtime.device.bound import Bound
@@ -110,7 +110,7 @@ class DeviceSimulation:
     def _bound(self, infants: Sequence[InfantEnv], body_of_world: IntArray) -> Bound:
         return Bound(DeviceSetup(infants, put(body_of_world), self.model, self._touch), self.chance)
 
-    def _aroused(self) -> DeviceArousal:
+    def _aroused(self) -> "DeviceArousal":
         """Return the arousal of all worlds, whose models are as built."""
         return DeviceArousal(self.bound.infants, self.bound.body, self.model)
 
@@ -237,3 +237,27 @@ class DeviceSimulation:
     def _physics_steps(self, count: int) -> None:
         for _ in range(count):
             mjw.step(self.model, self.data)
+
+
+class DeviceArousal:
+    """The arousal of all infants; as built, until it is set."""
+
+    def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, model: mjw.Model):
+        tones = [tone_of(infant.manifest.actuation, infant.model) for infant in infants]
+        fields = [wp.to_torch(getattr(model, name)) for name in FIELDS]
+        which = body.tolist()
+        self._tone = ToneInModels([tones[index] for index in which], fields, infants[0].model.jnt_qposadr, put)
+        self.as_built = put([float(infants[index].manifest.actuation.arousal) for index in which])
+        self.level = self.as_built.clone()
+        """Arousal in each world now, shape (worlds,)."""
+        self._is_set = False
+
+    def set(self, level: torch.Tensor) -> None:
+        """Change the arousal of all worlds, shape (worlds,); what is beyond 0 and 2 is clipped."""
+        self.level, self._is_set = level.clamp(0, MOST), True
+        self._tone.write(self.level - self.as_built)
+
+    def begin(self, begins: torch.Tensor) -> None:
+        """Let infants that begin an episode have the arousal that they are built for; a mask of shape (worlds,)."""
+        if self._is_set:
+            self.set(torch.where(begins, self.as_built, self.level))
