@@ -164,7 +164,10 @@ def _maturing(parts: Sided, feet: Collection[str]) -> Sided:
 
 def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[str]) -> ReferencePart:
     if any(geom.name == MITTENS_FINGERS for geom in part.geoms):
-        geoms = (_gripping(geom) if geom.name == MITTENS_FINGERS else geom for geom in part.geoms)
+        geoms = (
+            replace(geom, friction=GRIP, condim=GRIP_DIMENSIONS, grips=True) if geom.name == MITTENS_FINGERS else geom
+            for geom in part.geoms
+        )
         return replace(part, geoms=tuple(geoms))
     if part.name in feet:
         return replace(part, geoms=tuple(replace(geom, rule=geom.rule + FOOT_RULE) for geom in part.geoms))
@@ -180,10 +183,6 @@ def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[st
     if neck in part.geoms:
         return replace(part, geoms=tuple(geom for geom in part.geoms if geom is not neck))
     return part
-
-
-def _gripping(fingers: ReferenceGeom) -> ReferenceGeom:
-    return replace(fingers, friction=GRIP, condim=GRIP_DIMENSIONS, grips=True)
 
 
 def _ankles(foot: PartKind) -> Iterator[tuple[str, str]]:

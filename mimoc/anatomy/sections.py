@@ -110,13 +110,16 @@ def measured_trunk(
         apart_m=ribs[0] + arm_radius_m + CLEARANCE_M,
     )
     inwards_m = min(wanted_m, room_inwards_m)
+    # The axes of the upper arms are as far behind the girdle as it is behind the chest.
+    radius_m = GIRDLE * ribs[0]
+    beside_m = math.sqrt((radius_m + arm_radius_m + CLEARANCE_M) ** 2 - (GIRDLE_BACK * ribs[0]) ** 2)
     return Trunk(
         axial=axial,
         pelvis=pelvis,
         waist=waist,
         belly=ribs,
         ribs=ribs,
-        girdle=_girdle(ribs[0], shoulder_y_m - inwards_m, arm_radius_m),
+        girdle=(radius_m, shoulder_y_m - inwards_m - beside_m + radius_m),
         shoulder_y_m=shoulder_y_m,
         arm_inwards_m=inwards_m,
         hip_y_m=HIP_SPACING / 2 * m["hip_breadth"],
@@ -131,13 +134,6 @@ def _no_deeper(wanted: Section, radius_m: float) -> Section:
         raise GeometryError(NO_ROOM)
     factor = min(1.0, radius_m / wanted[0])
     return wanted[0] * factor, wanted[1] * math.sqrt(factor)
-
-
-def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Section:
-    """Return the section between the upper arms, whose axes are as far behind it as it is behind the chest."""
-    radius_m = GIRDLE * chest_radius_m
-    beside_m = math.sqrt((radius_m + arm_radius_m + CLEARANCE_M) ** 2 - (GIRDLE_BACK * chest_radius_m) ** 2)
-    return radius_m, arm_y_m - beside_m + radius_m
 
 
 def room_beside(

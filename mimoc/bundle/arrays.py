@@ -54,7 +54,11 @@ def pack_arrays(arrays: Mapping[str, Array]) -> bytes:
         for name in sorted(arrays):
             info = zipfile.ZipInfo(name + SUFFIX, FIRST_DATE)
             info.create_system, info.external_attr = UNIX, READABLE
-            archive.writestr(info, _packed(arrays[name]))
+            array = arrays[name]
+            file = io.BytesIO()
+            little_endian = np.asarray(array, array.dtype.newbyteorder("<"), order="C")
+            np.lib.format.write_array(file, little_endian, version=(1, 0), allow_pickle=False)
+            archive.writestr(info, file.getvalue())
     return packed.getvalue()
 
 
@@ -73,13 +77,6 @@ def unpack_arrays(content: bytes) -> dict[str, Array]:
             return {member.filename.removesuffix(SUFFIX): _unpacked(archive.read(member)) for member in members}
     except Exception:  # Whatever a stranger's archive makes the readers of ZIP and NPY raise.
         raise BundleError(f"{ARRAYS} is damaged; build the bundle again") from None
-
-
-def _packed(array: Array) -> bytes:
-    file = io.BytesIO()
-    little_endian = np.asarray(array, array.dtype.newbyteorder("<"), order="C")
-    np.lib.format.write_array(file, little_endian, version=(1, 0), allow_pickle=False)
-    return file.getvalue()
 
 
 def _unpacked(content: bytes) -> Array:

@@ -228,7 +228,14 @@ def swap_folders(first: Path, second: Path) -> None:
     except OSError as error:
         if error.errno not in _UNSUPPORTED:
             raise
-        _swap_in_turn(first, second)
+        aside = Path(tempfile.mkdtemp(prefix=f"{first.name}-", dir=first.parent))
+        os.rename(second, aside)
+        try:
+            os.rename(first, second)
+        except BaseException:
+            os.rename(aside, second)
+            raise
+        os.rename(aside, first)
 
 
 def _swap_at_once(first: bytes, second: bytes) -> None:
@@ -242,14 +249,3 @@ def _swap_at_once(first: bytes, second: bytes) -> None:
     if failed:
         number = ctypes.get_errno()
         raise OSError(number, os.strerror(number))
-
-
-def _swap_in_turn(first: Path, second: Path) -> None:
-    aside = Path(tempfile.mkdtemp(prefix=f"{first.name}-", dir=first.parent))
-    os.rename(second, aside)
-    try:
-        os.rename(first, second)
-    except BaseException:
-        os.rename(aside, second)
-        raise
-    os.rename(aside, first)

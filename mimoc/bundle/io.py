@@ -217,7 +217,15 @@ def write_bundle(bundle: HasFiles, out: str | Path, *, force: bool = False, shar
         staging = place.parent / unfinished_name(_staging_prefix(place))
         staging.mkdir()
         try:
-            _fill(staging, bundle.files, shared)
+            if outside := [name for name in bundle.files if not _is_inside(name)]:
+                raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
+            for name, content in bundle.files.items():
+                path = staging / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                if shared and name.startswith(SHARED):
+                    shared.put(path, content)
+                else:
+                    path.write_bytes(content)
             _move_into_place(staging, place, target, force)
         finally:
             shutil.rmtree(staging, ignore_errors=True)
@@ -346,19 +354,6 @@ def _is_bundle(folder: Path) -> bool:
         return _locked_files(read_regular_file(folder / LOCK, MAX_LOCK_BYTES) or b"") is not None
     except UnusableFileError:
         return False
-
-
-def _fill(folder: Path, files: Mapping[str, bytes], shared: SharedFiles | None) -> None:
-    """Write files into an empty folder."""
-    if outside := [name for name in files if not _is_inside(name)]:
-        raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
-    for name, content in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if shared and name.startswith(SHARED):
-            shared.put(path, content)
-        else:
-            path.write_bytes(content)
 
 
 def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> None:

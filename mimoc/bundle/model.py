@@ -67,21 +67,16 @@ def load_plain_model(bundle: Bundle) -> mujoco.MjModel:
     spec = mujoco.MjSpec.from_string(xml, include=included, assets=files)
     for index, texture in enumerate(spec.textures):
         is_flat = texture.type == mujoco.mjtTexture.mjTEXTURE_2D
-        texture.rgb1 = _mean_colour(model, index)
+        start, channels = int(model.tex_adr[index]), int(model.tex_nchannel[index])
+        size = int(model.tex_height[index]) * int(model.tex_width[index]) * channels
+        mean = model.tex_data[start : start + size].reshape(-1, channels).mean(axis=0) / 255.0
+        texture.rgb1 = np.resize(mean, 3).tolist() if channels < 3 else mean[:3].tolist()
         texture.file, texture.cubefiles, texture.gridsize = "", [""] * 6, [1, 1]
         texture.builtin, texture.mark = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtMark.mjMARK_NONE
         texture.width, texture.height = 1, 1 if is_flat else 6
     plain = spec.compile()
     prepare(plain)
     return plain
-
-
-def _mean_colour(model: mujoco.MjModel, index: int) -> list[float]:
-    """Return the mean colour of a texture, three numbers from 0 to 1."""
-    start, channels = int(model.tex_adr[index]), int(model.tex_nchannel[index])
-    size = int(model.tex_height[index]) * int(model.tex_width[index]) * channels
-    mean = model.tex_data[start : start + size].reshape(-1, channels).mean(axis=0) / 255.0
-    return np.resize(mean, 3).tolist() if channels < 3 else mean[:3].tolist()
 
 
 def read_model(files: Mapping[str, bytes], scene: str) -> mujoco.MjModel:
@@ -245,7 +240,15 @@ def check_fits(path: Path, manifest: Model, timestep_ms: float, model: mujoco.Mj
     if not abs(model.opt.timestep - ms_to_s(timestep_ms)) < 1e-9:
         reason = f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms"
         raise BundleError(f"{path}: {reason}; build it again")
-    fitting, missing = _fitting(model), []
+    # For kinds of names that not every object of a type will do for, those that do.
+    masks: dict[str, npt.NDArray[np.bool_]] = {
+        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
+        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
+        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
+        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
+        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
+    }
+    fitting, missing = {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}, []
     for where, kind, name in _names(manifest, None, ""):
         index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
         if index < 0 or index not in fitting.get(kind, (index,)):
@@ -308,18 +311,6 @@ def _has_sections(annotation: Any) -> bool:
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return True
     return any(map(_has_sections, get_args(annotation)))
-
-
-def _fitting(model: mujoco.MjModel) -> dict[str, set[int]]:
-    """Return, for kinds of names that not every object of a type will do for, those that do."""
-    masks: dict[str, npt.NDArray[np.bool_]] = {
-        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
-        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
-        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
-        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
-        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
-    }
-    return {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
 
 
 _OBJECTS: Mapping[str, mujoco.mjtObj] = {

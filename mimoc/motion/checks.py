@@ -188,7 +188,10 @@ def check_points(recording: PointRecording, view: View | None, up: Up | None = N
         asked = *unused, *_check_sides(whole, view)
         _check_facing(whole, view, up)
     notes = *whole.notes, *asked, *_restless(whole), *_gaps(whole)
-    return _without_unseen(replace(whole, notes=notes))
+    recording = replace(whole, notes=notes)
+    unseen = [bool(column.all()) for column in _missing(recording).T]
+    names = [name for name, is_unseen in zip(recording.names, unseen, strict=True) if not is_unseen]
+    return recording.select(names) if any(unseen) else recording
 
 
 def _check_trunk(recording: PointRecording) -> None:
@@ -303,13 +306,6 @@ def _restless(recording: PointRecording) -> tuple[str, ...]:
             if both.any() and far[both].sum() < _LESS * near[both].sum():
                 wrong.append(" than ".join(names))
     return (f"these move more: {first_of(wrong, 3)}; they may be called each other's name",) if wrong else ()
-
-
-def _without_unseen(recording: PointRecording) -> PointRecording:
-    """Return a recording without the points that are never seen."""
-    unseen = [bool(column.all()) for column in _missing(recording).T]
-    names = [name for name, is_unseen in zip(recording.names, unseen, strict=True) if not is_unseen]
-    return recording.select(names) if any(unseen) else recording
 
 
 def _missing(recording: PointRecording) -> npt.NDArray[np.bool_]:

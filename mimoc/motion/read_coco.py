@@ -167,11 +167,14 @@ def _frame_name(entry: Mapping[str, Any], where: str) -> str:
 def _persons(entries: Iterable[Mapping[str, Any]], names: KeypointNames, where: str) -> list[Person]:
     """Return those with keypoints who may be the infant."""
     chosen = [entry for entry in entries if entry.get("keypoints") and names.takes(entry)]
-    return [person(_identity(entry), names.placed(entry, _flat(entry, where), where), where) for entry in chosen]
-
-
-def _identity(entry: Mapping[str, Any]) -> str:
-    return next((name for key in _IDENTITIES if (name := identity(entry.get(key)))), "")
+    return [
+        person(
+            next((name for key in _IDENTITIES if (name := identity(entry.get(key)))), ""),
+            names.placed(entry, _flat(entry, where), where),
+            where,
+        )
+        for entry in chosen
+    ]
 
 
 def _flat(entry: Mapping[str, Any], where: str) -> Sequence[float]:

@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.errors import suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
@@ -239,7 +238,13 @@ def _recording(
     axes = ("x", "y", "z") if "z" in known and unit != "px" else ("x", "y")
     positions = np.stack([known.get(axis, np.full(shape, np.nan)) for axis in axes], axis=-1) * METRES.get(unit, 1.0)
     confidence = np.nan_to_num(known.get("confidence", np.ones(shape)), nan=0.0).clip(0, 1)
-    seen = np.isfinite(positions).all(axis=-1) & (confidence > 0) & ~_empty(positions)
+    # Zeros stand for a point that is not seen; one that is always there is the origin.
+    zero = np.asarray(~positions.any(axis=-1))
+    seen = (
+        np.isfinite(positions).all(axis=-1)
+        & (confidence > 0)
+        & ~(zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0))
+    )
     depth_m = known.get("depth_m") if len(axes) == 2 else None
     return PointRecording(
         name,
@@ -250,9 +255,3 @@ def _recording(
         depth_m=None if depth_m is None else on_frames(depth_m, when.places),
         notes=when.notes,
     )
-
-
-def _empty(positions: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return where zeros stand for a point that is not seen, shape (t, k); one that is always there is the origin."""
-    zero = np.asarray(~positions.any(axis=-1))
-    return zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0)

@@ -158,7 +158,7 @@ def _split(cell: str) -> tuple[str, str, str]:
 def _names(labels: Sequence[str]) -> list[str]:
     """Return the landmarks that labels mean, by name or by number from 0 or 1; other labels stay as they are."""
     plain = [_plain(label) for label in labels]
-    numbers = {int(word) for word in plain if _is_number(word)}
+    numbers = {int(word) for word in plain if word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))}
     first = 1 if len(LANDMARKS) in numbers and 0 not in numbers else 0
     by_word = {str(number): name for number, name in enumerate(LANDMARKS, first)} | _NAMES
     return [by_word.get(word.lstrip("0") or "0", label) for word, label in zip(plain, labels, strict=True)]
@@ -168,10 +168,6 @@ def _plain(label: str) -> str:
     """Return a label as it stands in the table of names, or as its number."""
     word = re.sub("[^a-z0-9]", "", re.split("[.:]", label)[-1].lower())
     return word[match.end() :] if (match := _PREFIX.match(word)) else word
-
-
-def _is_number(word: str) -> bool:
-    return word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))
 
 
 def _of_folder(path: Path, options: ReadOptions) -> PointRecording:
@@ -194,7 +190,11 @@ def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOp
                 numbers[index, which] = [_four(point) for point in points]
         except (TypeError, ValueError, KeyError, IndexError, OverflowError, AttributeError):
             raise UnusableFileError(f"frame {index} of the list: landmarks are damaged; export it again") from None
-    columns = [key for key in (frames[0] if frames and isinstance(frames[0], dict) else ()) if _is_of_frames(key)]
+    columns = [
+        key
+        for key in (frames[0] if frames and isinstance(frames[0], dict) else ())
+        if key.lower() in FRAMES or is_of_times(key.lower())
+    ]
     known = [key for key in columns if all(isinstance(frame, dict) and _is_finite(frame.get(key)) for frame in frames)]
     when = np.array([[frame[key] for key in known] for frame in frames], dtype=np.float64).reshape(len(frames), -1)
     recording = points_of(name, [*known, *header], np.concatenate([when, numbers.reshape(len(frames), -1)], axis=1))
@@ -233,7 +233,8 @@ def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[
         points = next((frame[key] for key in keys if frame[key]), named)
         if isinstance(points, dict) and "landmark" in points:  # As protocol buffers become JSON.
             points = points["landmark"]
-    if _are_persons(points):
+    first = points[0] if isinstance(points, list) and points else None
+    if isinstance(first, list) and first and isinstance(first[0], (dict, list)):
         if len(points) > 1:
             raise UnusableFileError("has several persons in a frame; export the infant alone")
         points = points[0]
@@ -249,22 +250,12 @@ def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[
     return range(len(points)), points
 
 
-def _are_persons(points: Any) -> bool:
-    """Return whether these are lists of landmarks, and not landmarks."""
-    first = points[0] if isinstance(points, list) and points else None
-    return isinstance(first, list) and bool(first) and isinstance(first[0], (dict, list))
-
-
 def _four(point: Any) -> tuple[Any, ...]:
     """Return x, y, z and visibility of a landmark; None for those that it lacks."""
     if isinstance(point, dict):
         seen = point["visibility"] if "visibility" in point else point.get("presence", 1.0)
         return point["x"], point["y"], point.get("z"), seen
     return (*point, None, 1.0)[:4] if len(point) == 2 else (*point, 1.0)[:4]
-
-
-def _is_of_frames(key: str) -> bool:
-    return key.lower() in FRAMES or is_of_times(key.lower())
 
 
 def _is_finite(value: Any) -> bool:

@@ -117,7 +117,8 @@ def find_tracks(people: Detections) -> Tracks:
     """Return who is who: what hardly moves from a frame to the next first, then all else, the surest first."""
     number = len(people.places)
     previous, following = np.full(number, -1), np.full(number, -1)
-    possible = _feasible(people, *_consecutive(people.places), people.points, people.points)
+    first, last = (np.searchsorted(people.places, people.places + 1, side) for side in ("left", "right"))
+    possible = _feasible(people, *_pairs(np.arange(len(people.places)), first, last), people.points, people.points)
     _take(possible, previous, following, _SURE + _SURE_PER_SECOND / people.rate_hz)
     for _ in range(_MOST_ROUNDS):
         ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
@@ -141,12 +142,6 @@ def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
     twice = np.zeros(len(number), dtype=bool)
     twice[np.where(points[other] > points[one], one, other)] = True
     return twice
-
-
-def _consecutive(places: Indices) -> tuple[Indices, Indices]:
-    """Return all pairs of detections of which the second is in the frame after the first's."""
-    first, last = (np.searchsorted(places, places + 1, side) for side in ("left", "right"))
-    return _pairs(np.arange(len(places)), first, last)
 
 
 def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices, Indices]:

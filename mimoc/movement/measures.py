@@ -84,15 +84,11 @@ def _of_ends(body: TrunkPaths, part: str) -> list[float]:
         float((both > MOVING_TRUNK_S).mean()),
         float(np.mean([np.sqrt(path.var(axis=0).sum()) for path in paths])),
         float(np.mean([sample_entropy(one[::every]) for one in both])),
-        float(np.mean([_excess_kurtosis(one) for one in both])),
+        float(np.mean([float(kurtosis(one)) if one.std() >= STILL else 0.0 for one in both])),
         _median_frequency(body, part),
         correlation(both[0], both[1]),
         float(np.mean(peaks)) / body.minutes,
     ]
-
-
-def _excess_kurtosis(speed: FloatArray) -> float:
-    return float(kurtosis(speed)) if speed.std() >= STILL else 0.0
 
 
 def _median_frequency(body: TrunkPaths, part: str) -> float:

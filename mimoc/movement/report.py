@@ -132,7 +132,15 @@ class MovementMeasures:
                 "mean": _short(mean),
                 **_spread_data(self.spreads[name]),
                 "infants": [_short(one[name]) if name in one else None for one in self.infants],
-                **self._of_sides(name),
+                **{
+                    side: {
+                        "mean": _short(means[name]),
+                        **_spread_data(self.side_spreads[side][name]),
+                        "infants": [_short(one.get(name)) for one in self.sides[side]],
+                    }
+                    for side, means in self.side_means.items()
+                    if name in means
+                },
                 **self._compared(name),
             }
             for name, mean in self.means.items()
@@ -155,17 +163,6 @@ class MovementMeasures:
                 "standard_error" if self.apart.exact else "sd_over_draws": _short(self.apart.deviation),
             }
         return data
-
-    def _of_sides(self, name: str) -> dict[str, Any]:
-        return {
-            side: {
-                "mean": _short(means[name]),
-                **_spread_data(self.side_spreads[side][name]),
-                "infants": [_short(one.get(name)) for one in self.sides[side]],
-            }
-            for side, means in self.side_means.items()
-            if name in means
-        }
 
     def _compared(self, name: str) -> dict[str, Any]:
         if self.sample is None or name not in self.sample.means:

@@ -31,16 +31,12 @@ def measure_sides(recording: PointRecording, space: PointRecording | None = None
 
 
 def _of_side(body: TrunkPaths, space: PointRecording, side: str) -> dict[str, float]:
-    alone = _twice(body, side)
-    values = {**core_of(alone), **details_of(alone), **joint_measures(space, (side,))}
-    return {name: value for name, value in values.items() if not name.startswith(OF_NO_SIDE)}
-
-
-def _twice(body: TrunkPaths, side: str) -> TrunkPaths:
-    """Return a body with the points of one side in place of both, of which measures of both are those of one."""
+    # Points of one side in place of both: measures of both are then those of one.
     other = SIDES[1 - SIDES.index(side)]
 
     def of_one(points: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         return {name: points.get(name.replace(f"{other}_", f"{side}_"), path) for name, path in points.items()}
 
-    return replace(body, paths=of_one(body.paths), velocities=of_one(body.velocities), speeds=of_one(body.speeds))
+    alone = replace(body, paths=of_one(body.paths), velocities=of_one(body.velocities), speeds=of_one(body.speeds))
+    values = {**core_of(alone), **details_of(alone), **joint_measures(space, (side,))}
+    return {name: value for name, value in values.items() if not name.startswith(OF_NO_SIDE)}

@@ -128,11 +128,9 @@ class SumOfMany:
             return actions[0]
         ages = [infant.age_months for infant in self._batch.infants]
         if ages != self._ages:
-            self._ages, self._limits = ages, tuple(map(self._batch.put, self._joined_limits()))
+            limits = (np.stack(ends) for ends in zip(*map(limits_of, self._batch.infants), strict=True))
+            self._ages, self._limits = ages, tuple(map(self._batch.put, limits))
         return self._batch.actions(summed(self._batch.xp, actions, *self._limits))
-
-    def _joined_limits(self) -> list[np.ndarray]:
-        return [np.stack(ends) for ends in zip(*map(limits_of, self._batch.infants), strict=True)]
 
     def reset(self, rows: Any) -> None:
         """Let the infants of some rows, a boolean array of shape (k,), begin an episode."""

@@ -62,7 +62,9 @@ class MotionPolicy:
         coming = self._at(self._coming, env.steps)
         action = self._tracker(coming)
         if self._root == "assisted":
-            self._assist(self._tracker.assistance(coming))
+            model, data = self._model, self._env.data
+            data.qfrc_applied[self._body.root_speeds] = self._tracker.assistance(coming)
+            set_physics(model, data, physics_of(model, data))
         if env.steps < self.whole_steps:
             now = self._at(self._present, env.steps)
             self._demand.add(now)
@@ -136,12 +138,6 @@ class MotionPolicy:
         if self._motion.free and depths_m.size:
             lift[2] = max(float(depths_m.max()), 0.0)
         return lift
-
-    def _assist(self, wrench: FloatArray) -> None:
-        """Apply the wrench at the root for the control step to come; recordings keep it as a change of the physics."""
-        model, data = self._model, self._env.data
-        data.qfrc_applied[self._body.root_speeds] = wrench
-        set_physics(model, data, physics_of(model, data))
 
     def _log(self, wanted: Wanted) -> None:
         """Keep how far the infant is from the motion and what was applied at its root."""

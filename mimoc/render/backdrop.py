@@ -30,7 +30,9 @@ def backdrop_colours(model: mujoco.MjModel) -> npt.NDArray[np.uint8]:
     for name in (SKY, MAT):
         number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXTURE, name)
         if number >= 0:
-            pixels = _pixels(model, colours, number)
+            texture = model.texture(number)
+            (start,), (width,), (height,), (channels,) = texture.adr, texture.width, texture.height, texture.nchannel
+            pixels = colours[start : start + width * height * channels].reshape(-1, channels)
             pixels[:] = _of_byte(BACKGROUND) if name == SKY else _floor(pixels)
     return colours
 
@@ -49,13 +51,6 @@ def leave_out_walls(scene: mujoco.MjvScene, position_m: FloatArray) -> None:
     for geom in scene.geoms[: scene.ngeom]:
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and (position_m - geom.pos) @ geom.mat[:, 2] < 0:
             geom.type = mujoco.mjtGeom.mjGEOM_NONE
-
-
-def _pixels(model: mujoco.MjModel, colours: npt.NDArray[np.uint8], number: int) -> npt.NDArray[np.uint8]:
-    """Return a view of the pixels of a texture, shape (pixels, 3)."""
-    texture = model.texture(number)
-    (start,), (width,), (height,), (channels,) = texture.adr, texture.width, texture.height, texture.nchannel
-    return colours[start : start + width * height * channels].reshape(-1, channels)
 
 
 def _floor(pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:

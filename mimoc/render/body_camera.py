@@ -199,17 +199,15 @@ def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjMod
         colours = backdrop_colours(model)
         settings += [(model, "tex_data", colours), (model.vis.rgba, "fog", (*BACKGROUND, 1.0))]
     if as_it_is:
-        settings += lean_textures(model, colours, _used_textures(model, shown, outdoors))
+        # Of a plain sky, a pixel is enough.
+        materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
+        used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
+        settings += lean_textures(
+            model, colours, used | ((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX) & (not outdoors))
+        )
     return settings
 
 
 def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
     """Return which geoms are drawn, shape (ngeom,)."""
     return (model.geom_group < DRAWN_GROUPS) | ((model.geom_group == SOLIDS_GROUP) & (shown == "solids"))
-
-
-def _used_textures(model: mujoco.MjModel, shown: Shown, outdoors: bool) -> npt.NDArray[np.bool_]:
-    """Return which textures are on something that is drawn, shape (ntex,); of a plain sky, a pixel is enough."""
-    materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
-    used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
-    return used | ((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX) & (not outdoors))

@@ -37,11 +37,9 @@ def _of_geom(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> Spheres
 
 def lowest_m(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray[np.bool_]) -> float:
     """Return the height of the lowest point of some geoms, shape (ngeom,)."""
-    return min(_height_m(data, number) - _drop_m(model, data, number) for number in np.flatnonzero(geoms).tolist())
-
-
-def _height_m(data: mujoco.MjData, number: int) -> float:
-    return float(data.geom_xpos[number, 2])
+    return min(
+        float(data.geom_xpos[number, 2]) - _drop_m(model, data, number) for number in np.flatnonzero(geoms).tolist()
+    )
 
 
 def _drop_m(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> float:

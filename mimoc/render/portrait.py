@@ -100,21 +100,17 @@ def portraits(
     )  # fmt: skip
     with closing(camera):
         for data in states:
-            camera.view = _view_of_infant(manifest, data, framing)
+            root, head = manifest.root_body, manifest.anatomy.head
+            subject = _subject(manifest, framing)
+            front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
+            if framing.crop:
+                usual = view_of_head(data, subject)
+            elif isinstance(manifest, Manifest) and manifest.caregiver:
+                usual = view_of_scene(FROM_THE_SIDE, manifest, [root], data)
+            else:
+                usual = portrait_view(data, root, head)
+            camera.view = framing.view(usual, front_deg)
             yield _picture(camera, data, [_subject(manifest, framing)], FOVY_DEG, markers, framing, is_tight=not beside)
-
-
-def _view_of_infant(manifest: Manifest, data: mujoco.MjData, framing: Framing) -> View:
-    root, head = manifest.root_body, manifest.anatomy.head
-    subject = _subject(manifest, framing)
-    front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
-    if framing.crop:
-        usual = view_of_head(data, subject)
-    elif isinstance(manifest, Manifest) and manifest.caregiver:
-        usual = view_of_scene(FROM_THE_SIDE, manifest, [root], data)
-    else:
-        usual = portrait_view(data, root, head)
-    return framing.view(usual, front_deg)
 
 
 def _subject(manifest: Manifest, framing: Framing) -> str:

@@ -59,7 +59,12 @@ class Access:
                 if self._has_cookie(host, cookies):
                     return process_request(connection, request)
                 if self._use_token(request.path):
-                    return self._hand_out_cookie(connection, host)
+                    response = connection.respond(HTTPStatus.SEE_OTHER, "")
+                    response.headers["Location"] = "/"
+                    response.headers["Set-Cookie"] = (
+                        f"{_cookie_name(host)}={self._cookie}; Path=/; HttpOnly; SameSite=Strict"
+                    )
+                    return response
             return connection.respond(HTTPStatus.FORBIDDEN, REFUSAL)
 
         return process
@@ -101,13 +106,6 @@ class Access:
             return False
         self._is_token_used = True
         return True
-
-    def _hand_out_cookie(self, connection: Any, host: str) -> Any:
-        """Return the response that gives a browser the cookie and leads it to the page."""
-        response = connection.respond(HTTPStatus.SEE_OTHER, "")
-        response.headers["Location"] = "/"
-        response.headers["Set-Cookie"] = f"{_cookie_name(host)}={self._cookie}; Path=/; HttpOnly; SameSite=Strict"
-        return response
 
 
 def _cookie_name(host: str) -> str:
@@ -175,9 +173,6 @@ class LiveView(AbstractContextManager["LiveView"]):
         if 0 <= self._env.data.time - self._shown_s < PICTURE_S - 1e-6:
             return
         self._shown_s = self._env.data.time
-        self._send()
-
-    def _send(self) -> None:
         data = self._env.data
         with self._server.atomic():
             for body, frame in self._bodies.items():

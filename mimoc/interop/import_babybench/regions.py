@@ -93,12 +93,6 @@ def _values(group: str, switched: Iterable[Switch], default: bool) -> list[bool]
     return values + [switch.on for switch in of_group if switch.region.rank == 0]
 
 
-def _sides_of(name: str) -> dict[str, str]:
-    """Return the one-sided names of a region with their side: `left_feet` and `left_foot` for `feet`."""
-    one = {"feet": "foot", "toes": "toe", "fingers": "finger"}.get(name, re.sub("s$", "", name))
-    return {f"{side}_{form}": side for side in SIDES for form in (name, one)}
-
-
 def _regions() -> dict[str, Region]:
     regions = {}
     for rank, table in ((1, _WHOLE), (0, _PARTS)):
@@ -106,7 +100,8 @@ def _regions() -> dict[str, Region]:
             for name in names:
                 regions[name] = Region(PAIRED_GROUPS.get(group, (group,)), rank)
                 if group in PAIRED_GROUPS:
-                    for form, side in _sides_of(name).items():
+                    one = {"feet": "foot", "toes": "toe", "fingers": "finger"}.get(name, re.sub("s$", "", name))
+                    for form, side in {f"{side}_{form}": side for side in SIDES for form in (name, one)}.items():
                         regions[form] = Region((f"{side}_{group.removesuffix('s')}",), 2 * rank)
     return regions
 

@@ -51,7 +51,16 @@ def import_mimo(path: str | Path) -> Imported:
     assets = AssetFiles(tree, path.parent)
     model = _compiled(assets.moved(without_pictures(tree)), assets.files, str(path))
     age = recognise_age(model, infant.anatomy)
-    spec = _spec(path, infant, model, age.months)
+    head = {"mimoc": 1, "name": infant_name(path.stem, "mimo"), "age_months": age.months, "development": "published"}
+    sections = {
+        "body": read_body(infant),
+        "actuation": read_actuation(infant, model),
+        "senses": read_senses(model),
+        **read_surroundings(infant, model),
+    }
+    if "task" in sections:
+        sections["actuation"] = {name: value for name, value in sections["actuation"].items() if name == "model"}
+    spec = head | {name: section for name, section in sections.items() if section}
     bundle = _built(spec, path)
     mimocs = mujoco.MjModel.from_xml_string(*mjcf_of(bundle.files, INFANT))
     names = names_in_model(mimocs)
@@ -68,20 +77,6 @@ def import_mimo(path: str | Path) -> Imported:
     notes = (*notes_on_infant(infant, age, model, mimocs, names), *on_scene, *rest.notes)
     sources = {Path(element.file).resolve() for element in tree.walk()} | pictured.sources
     return Imported("MIMo", str(path), spec, tuple(sorted(notes)), scene, frozenset(sources))
-
-
-def _spec(path: Path, infant: Infant, model: mujoco.MjModel, age_months: float) -> dict[str, Any]:
-    """Return the spec of the infant, without sections that say nothing."""
-    head = {"mimoc": 1, "name": infant_name(path.stem, "mimo"), "age_months": age_months, "development": "published"}
-    sections = {
-        "body": read_body(infant),
-        "actuation": read_actuation(infant, model),
-        "senses": read_senses(model),
-        **read_surroundings(infant, model),
-    }
-    if "task" in sections:
-        sections["actuation"] = {name: value for name, value in sections["actuation"].items() if name == "model"}
-    return head | {name: section for name, section in sections.items() if section}
 
 
 def _built(spec: dict[str, Any], path: Path) -> Bundle:

@@ -80,7 +80,8 @@ def recognise_age(model: mujoco.MjModel, anatomy: Anatomy) -> Age:
     age = Age(_as_written(months), _differences(sizes, grown(months)))
     if age.fits:
         return age
-    if _is_ungrown(model, anatomy):
+    ratios = list(_mass_ratios(model, anatomy))
+    if ratios and abs(float(np.median(ratios)) - 1) < OWN_MASSES:
         return Age(MIMO_AGE_MONTHS, _differences(sizes, grown(MIMO_AGE_MONTHS)), is_ungrown=True)
     return Age(_as_written(rounded[2]), _differences(sizes, grown(rounded[2])))
 
@@ -115,12 +116,6 @@ def _differences(sizes: Sizes, tree: BodyTree) -> dict[str, float]:
     """Return the largest difference of each geom's sizes from those of a body."""
     wanted = {name: tree.geoms[name].size_m for name in sizes}
     return {name: float(np.max(np.abs(size[: len(wanted[name])] - wanted[name]))) for name, size in sizes.items()}
-
-
-def _is_ungrown(model: mujoco.MjModel, anatomy: Anatomy) -> bool:
-    """Return whether limbs have the masses of MIMo's own model."""
-    ratios = list(_mass_ratios(model, anatomy))
-    return bool(ratios) and abs(float(np.median(ratios)) - 1) < OWN_MASSES
 
 
 def _mass_ratios(model: mujoco.MjModel, anatomy: Anatomy) -> Iterator[float]:

@@ -47,7 +47,15 @@ def rest_of(infant: Infant, model: mujoco.MjModel, mjcf: bytes, mimocs: mujoco.M
     notes = list(_strangers(infant, names))
     option, size = _options(mjcf)
     drop = {"option": option.attributes, "flag": option.children[0].attributes, "size": size.attributes}
-    frame = _frame(model, mimocs)
+    # The frame in which the hip of mimoc's infant is where that of the scene is.
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    hip, quat = data.body(HIP).xpos, data.body(HIP).xquat
+    root = mujoco.MjData(mimocs)
+    mujoco.mj_kinematics(mimocs, root)
+    pos = hip - matrix_from_quaternion(tuple(quat)) @ root.body(HIP).xpos
+    attributes = {"pos": _numbers(pos)} | ({} if np.allclose(quat, (1, 0, 0, 0)) else {"quat": _numbers(quat)})
+    frame = Element("frame", attributes, children=[Element("attach", {"model": MODEL, "prefix": ""})])
     sections = [_without(section, infant, frame, drop, notes) for section in infant.tree.children]
     sections = _referring(sections, infant, names, notes)
     sections = _with_assets(_with_defaults(sections, infant), infant, names)
@@ -62,18 +70,6 @@ def _options(mjcf: bytes) -> tuple[Element, Element]:
     (option,), (size,) = root.findall("option"), root.findall("size")
     flags = [Element(flag.tag, dict(flag.attrib)) for flag in option]
     return Element("option", dict(option.attrib), children=flags), Element("size", dict(size.attrib))
-
-
-def _frame(model: mujoco.MjModel, mimocs: mujoco.MjModel) -> Element:
-    """Return the frame in which the hip of mimoc's infant is where that of the scene is."""
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    hip, quat = data.body(HIP).xpos, data.body(HIP).xquat
-    root = mujoco.MjData(mimocs)
-    mujoco.mj_kinematics(mimocs, root)
-    pos = hip - matrix_from_quaternion(tuple(quat)) @ root.body(HIP).xpos
-    attributes = {"pos": _numbers(pos)} | ({} if np.allclose(quat, (1, 0, 0, 0)) else {"quat": _numbers(quat)})
-    return Element("frame", attributes, children=[Element("attach", {"model": MODEL, "prefix": ""})])
 
 
 def _numbers(values: np.ndarray) -> str:
@@ -147,7 +143,10 @@ def _strangers(infant: Infant, names: Names) -> Iterator[Problem]:
 def _referring(sections: list[Element], infant: Infant, names: Names, notes: list[Problem]) -> list[Element]:
     """Return sections whose elements refer to what there is: those of the infant's are left out, others noted."""
     known = names_in(sections, names)
-    others = _other_names(infant, names)
+    others = {("geom", PREFIX + name): name for name in names["geom"]}
+    if infant.free_joint is not None:
+        others["joint", infant.free_joint.get("name")] = FREE_JOINT
+        others |= {("body", part.get("name")): HIP for part in infant.chain if part.tag == "body"}
     result: list[Element] = []
     for section in sections:
         if section.tag not in ("worldbody", *REFERRING):
@@ -180,15 +179,6 @@ def _is_infants(section: str, element: Element, infant: Infant, names: Names) ->
         of_infant = {geom.get("name") for geom in infant.hip.walk() if geom.tag == "geom"} | set(infant.bodies)
         return all(element.get(attribute) in of_infant for attribute, _ in references(element))
     return False
-
-
-def _other_names(infant: Infant, names: Names) -> dict[tuple[str, str], str]:
-    """Return what has another name in mimoc's infant, by kind and name in the scene."""
-    others = {("geom", PREFIX + name): name for name in names["geom"]}
-    if infant.free_joint is not None:
-        others["joint", infant.free_joint.get("name")] = FREE_JOINT
-        others |= {("body", part.get("name")): HIP for part in infant.chain if part.tag == "body"}
-    return others
 
 
 def _with_defaults(sections: list[Element], infant: Infant) -> list[Element]:

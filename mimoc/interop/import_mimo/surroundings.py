@@ -34,7 +34,9 @@ def read_surroundings(infant: Infant, model: mujoco.MjModel) -> dict[str, Any]:
     """Return the sections `scene`, `control` and `task` of a spec; a task brings its own pose and held parts."""
     task = _task(infant, model)
     scene: dict[str, Any] = {"kind": "flat"} if task else _scene(infant, model)
-    control = _control(model)
+    timestep_ms = round(1000 * model.opt.timestep, 6)
+    steps = max(1, math.ceil(STEP_MS / timestep_ms - 1e-6))
+    control = {"step_ms": round(steps * timestep_ms, 6), "timestep_ms": timestep_ms}
     return {"scene": scene, "control": {} if control == DEFAULT else control} | (
         {"task": {"kind": task}} if task else {}
     )
@@ -93,10 +95,3 @@ def _pose(model: mujoco.MjModel) -> str:
     if forward < -LYING:
         return "prone"
     return "standing" if up > UPRIGHT and data.body(HIP).xpos[2] > STANDING_M else "sitting"
-
-
-def _control(model: mujoco.MjModel) -> dict[str, float]:
-    """Return the section `control`: the scene's physics step, and as many of these as fill 10 ms."""
-    timestep_ms = round(1000 * model.opt.timestep, 6)
-    steps = max(1, math.ceil(STEP_MS / timestep_ms - 1e-6))
-    return {"step_ms": round(steps * timestep_ms, 6), "timestep_ms": timestep_ms}

@@ -81,7 +81,9 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         Raises:
             MimocError: If a keyword has no counterpart, or there is no such infant.
         """
-        self._check_overrides()
+        for name, advice in NEVER_CALLED.items():
+            if getattr(type(self), name, None) is not getattr(MIMoEnv, name, None):
+                raise MimocError(f"{type(self).__name__}.{name} would never be called here; {advice}")
         kind = model_named(actuation_model)
         senses = (proprio_params, touch_params, vision_params, vestibular_params)
         times = frame_skip, sensory_delay, motor_delay
@@ -107,11 +109,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         self._env_setup(senses)
         self.goal = self.sample_goal()
         self.observation_space: Any = Dict({name: self._space(name, array) for name, array in self._get_obs().items()})
-
-    def _check_overrides(self) -> None:
-        for name, advice in NEVER_CALLED.items():
-            if getattr(type(self), name, None) is not getattr(MIMoEnv, name, None):
-                raise MimocError(f"{type(self).__name__}.{name} would never be called here; {advice}")
 
     def _env_setup(self, params: Any) -> None:
         """Set up the senses that the infant has."""

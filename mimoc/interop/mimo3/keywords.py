@@ -55,7 +55,11 @@ def spec_of(keywords: Keywords) -> InfantSpec:
         changes["actuation"] = {"model": keywords.actuation}
     spec = spec.with_(**changes)
     sizes = keywords.custom_measurements or {}
-    if measurements := {_measurement(key): _in_cm(key, size) for key, size in sizes.items() if isinstance(key, str)}:
+    if measurements := {
+        re.sub("(_cm|_mm)?$", "_cm", key, count=1): float(size) / 10 if key.endswith("_mm") else float(size)
+        for key, size in sizes.items()
+        if isinstance(key, str)
+    }:
         spec = spec.with_(body={"measurements": measurements})
     geoms = {key: size for key, size in sizes.items() if not isinstance(key, str)}
     return spec.with_(body={"parts": factors_of_geoms(spec, geoms)}) if geoms else spec
@@ -152,12 +156,3 @@ def _vestibular(given: Mapping[str, Any]) -> dict[str, Any]:
 def _check_keys(keyword: str, given: Iterable[Any], known: Iterable[str]) -> None:
     for key in given:
         check_name(f"key of {keyword} that is known here", key, list(known))
-
-
-def _measurement(name: str) -> str:
-    """Return the key of a spec for one of MIMo3's measurements, which may have a unit."""
-    return re.sub("(_cm|_mm)?$", "_cm", name, count=1)
-
-
-def _in_cm(name: str, size: float) -> float:
-    return float(size) / 10 if name.endswith("_mm") else float(size)

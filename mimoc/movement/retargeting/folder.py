@@ -85,7 +85,18 @@ def write_retargeted(
     """
     target = check_writable(out, force)
     with staged_folder(target, force=force) as staging:
-        _fill(staging, retargeted, progress)
+        bundle, recording = retargeted.bundle, retargeted.recording
+        motion = motion_of(load_model(bundle), bundle.manifest.root_body, retargeted.qpos, retargeted.rate_hz)
+        record_motion(bundle, motion, staging, progress)
+        write_file(staging / CHILD, bundle.files[SPEC_FILE])
+        write_file(staging / MOTION, pack_motion(motion))
+        seen = np.isfinite(retargeted.fitted).all(axis=-1).astype(float)
+        fitted = replace(recording, positions=retargeted.fitted, confidence=seen, depth_m=None, notes=())
+        for name, points in ((POINTS, recording), (FITTED, fitted)):
+            write_file(staging / name, read_npz.pack(points))
+        account = json.dumps(retargeted.account.to_data(), ensure_ascii=False, indent=1, allow_nan=False)
+        write_file(staging / ACCOUNT, f"{account}\n".encode())
+        write_file(staging / README, _readme(retargeted, motion).encode())
     return target
 
 
@@ -173,21 +184,6 @@ def _account(path: Path) -> Mapping[str, Any]:
     except (ValueError, RecursionError):
         raise MimocError(f"{path}: the file is damaged or missing; {_ADVICE}") from None
     return account
-
-
-def _fill(folder: Path, retargeted: Retargeted, progress: Progress) -> None:
-    bundle, recording = retargeted.bundle, retargeted.recording
-    motion = motion_of(load_model(bundle), bundle.manifest.root_body, retargeted.qpos, retargeted.rate_hz)
-    record_motion(bundle, motion, folder, progress)
-    write_file(folder / CHILD, bundle.files[SPEC_FILE])
-    write_file(folder / MOTION, pack_motion(motion))
-    seen = np.isfinite(retargeted.fitted).all(axis=-1).astype(float)
-    fitted = replace(recording, positions=retargeted.fitted, confidence=seen, depth_m=None, notes=())
-    for name, points in ((POINTS, recording), (FITTED, fitted)):
-        write_file(folder / name, read_npz.pack(points))
-    account = json.dumps(retargeted.account.to_data(), ensure_ascii=False, indent=1, allow_nan=False)
-    write_file(folder / ACCOUNT, f"{account}\n".encode())
-    write_file(folder / README, _readme(retargeted, motion).encode())
 
 
 def _readme(retargeted: Retargeted, motion: JointMotion) -> str:

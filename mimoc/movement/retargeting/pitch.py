@@ -57,7 +57,17 @@ def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float 
         RecordingError: If the angle is impossible, or the trunk were above the horizon then.
     """
     if given_deg is not None:
-        return _given(recording, given_deg)
+        if recording.unit == "m":
+            raise RecordingError(f"{recording.name}: points in space have no camera; leave camera_pitch_deg= out")
+        if not 0 < given_deg <= STRAIGHT_DOWN_DEG:
+            raise RecordingError(
+                f"camera_pitch_deg={given_deg:g}: give degrees below the horizon, above 0 and up to 90"
+            )
+        trunk = recording.select(TRUNK).filled()
+        if not np.isfinite(on_ground(trunk, camera_from_world(given_deg))[np.isfinite(trunk.positions).all(-1)]).all():
+            reason = f"with camera_pitch_deg={given_deg:g} the trunk would be above the horizon in some frames"
+            raise RecordingError(f"{recording.name}: {reason}; give the angle by which the camera looks down")
+        return Pitch(Interval(given_deg, given_deg, given_deg), GIVEN.format(deg=given_deg))
     straight = Pitch(Interval(STRAIGHT_DOWN_DEG, STRAIGHT_DOWN_DEG, STRAIGHT_DOWN_DEG), STRAIGHT)
     names = (*TRUNK, *SHOULDERS)
     if recording.unit == "m" or not {*names} <= {*recording.names} or not all(body_points(model, names)):
@@ -75,18 +85,6 @@ def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float 
     low, high = (CANDIDATES_DEG[np.searchsorted(shares / shares[-1], q)] for q in ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     deg = Interval(float(CANDIDATES_DEG[best]), float(min(low, CANDIDATES_DEG[best])), float(high))
     return Pitch(deg, SLANTED.format(deg=deg.value, low=deg.low, high=deg.high))
-
-
-def _given(recording: PointRecording, deg: float) -> Pitch:
-    if recording.unit == "m":
-        raise RecordingError(f"{recording.name}: points in space have no camera; leave camera_pitch_deg= out")
-    if not 0 < deg <= STRAIGHT_DOWN_DEG:
-        raise RecordingError(f"camera_pitch_deg={deg:g}: give degrees below the horizon, above 0 and up to 90")
-    trunk = recording.select(TRUNK).filled()
-    if not np.isfinite(on_ground(trunk, camera_from_world(deg))[np.isfinite(trunk.positions).all(-1)]).all():
-        reason = f"with camera_pitch_deg={deg:g} the trunk would be above the horizon in some frames"
-        raise RecordingError(f"{recording.name}: {reason}; give the angle by which the camera looks down")
-    return Pitch(Interval(deg, deg, deg), GIVEN.format(deg=deg))
 
 
 def _distance(ground: FloatArray, lying_m: FloatArray) -> float:

@@ -186,7 +186,8 @@ def setting_of(
     shape = shape_of(child, lambda other: _points(other, names), SIZES)
     moved = [_moves(model, points, shape, 2 + index, len(names)) for index in range(len(SIZES))]
     sizes = tuple(size for size, moves in zip(SIZES, moved, strict=True) if moves)
-    shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
+    columns = [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)]
+    shape = Shape(shape.bodies_m[..., columns], shape.anchors_m[..., columns], shape.points_m[..., columns])
     pitch = pitch_of(recording, model, pitch_deg)
     trunk = _resting(model, rest, [point for point in body_points(model, TRUNK) if point])
     root = rest[:3], matrix_of(rest[3:7])
@@ -212,6 +213,8 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     low, high = prior.limits(model, hinges)
     sums, bounds = combined_limits(model, hinges)
     usual = np.concatenate([np.median(start.root, axis=0), prior.posture(model, hinges, setting.rest)])
+    # Keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known.
+    weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
     return Problem(
         skeleton=skeleton,
         shape=setting.shape,
@@ -226,7 +229,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         sum_bounds=bounds,
         shared_mean=np.array([start.height_m, *(-setting.logs)]),
         shared_sd=setting.shared_sd(1.0 if observed.tells_size else AS_SURE),
-        held=_held(setting),
+        held=weights / weights.sum() / HELD if not setting.sees_size else 0 * weights,
         pull=np.zeros(2 + len(setting.sizes)),
     )
 
@@ -300,12 +303,6 @@ def usual_noise(recording: PointRecording) -> Noise:
     return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
 
 
-def _held(setting: Setting) -> FloatArray:
-    """Return what keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known."""
-    weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
-    return weights / weights.sum() / HELD if not setting.sees_size else 0 * weights
-
-
 def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[BodyPoint]:
     """Return the points of a recording on a model, and then those of its contacts."""
     return [point for point in body_points(model, names) if point] + [sphere.point for sphere in spheres_of(model)]
@@ -325,7 +322,3 @@ def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column:
         return True
     bodies = carrying(model, [point.body for point in points])
     return bool(np.abs(shape.bodies_m[sorted(bodies - {int(model.jnt_bodyid[0])}), :, column]).max() > 1e-6)
-
-
-def _chosen(shape: Shape, columns: list[int]) -> Shape:
-    return Shape(shape.bodies_m[..., columns], shape.anchors_m[..., columns], shape.points_m[..., columns])

@@ -74,7 +74,9 @@ class Reflexes:
 
     def reset(self, rows: Any = True) -> None:
         """Let the infants of some rows forget what they sensed, a boolean array of shape (k,); by default all."""
-        rows = self._batch.put(np.broadcast_to(_on_cpu(rows), self._count))
+        rows = self._batch.put(
+            np.broadcast_to(np.asarray(rows.cpu() if hasattr(rows, "cpu") else rows, bool), self._count)
+        )
         self._forget(dict.fromkeys(self._state, rows))
 
     def _forget(self, rows: Mapping[str, Any]) -> None:
@@ -168,7 +170,3 @@ def bind_many(batch: Batch, late_months: str = "0") -> Reflexes:
             f"{MOST_MONTHS:g}; write reflexes:1.5"
         )
     return Reflexes(batch, months)
-
-
-def _on_cpu(rows: Any) -> np.ndarray:
-    return np.asarray(rows.cpu() if hasattr(rows, "cpu") else rows, bool)

@@ -191,21 +191,22 @@ class Controller:
         mujoco.mj_fwdVelocity(self._twin, scratch)
         angles, speeds = data.qpos.take(infant.angles), data.qvel.take(infant.dofs)
         ahead = angles + self._interval_s * speeds
-        wanted = gains.stiffness_nm * (target_rad - ahead) - gains.damping_nms * speeds + self._compensation(scratch)
-        force = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias
-        force[infant.dofs] += wanted
-        mujoco.mj_solveM(self._twin, scratch, self._acceleration, force[None])
-        return wanted - self._step_damping * self._acceleration[0].take(infant.dofs)
-
-    def _compensation(self, scratch: mujoco.MjData) -> FloatArray:
-        """Return the torques that cancel springs and the weight of what hangs on the joints, shape (n,)."""
+        # Torques that cancel springs and the weight of what hangs on the joints.
         loads = self._loads
         arms_m = scratch.subtree_com.take(loads.bodies, 0) - scratch.xanchor.take(loads.joints, 0)
         axes = scratch.xaxis.take(loads.joints, 0)
         moments_nm = loads.weights_n * (axes[:, 1] * arms_m[:, 0] - axes[:, 0] * arms_m[:, 1])
         loads_nm = scratch.qfrc_spring.take(loads.dofs) + moments_nm
         carried_nm = np.bincount(loads.slots, loads_nm * loads.ratios, len(self._infant.joints))
-        return -np.asarray(carried_nm, np.float64)
+        wanted = (
+            gains.stiffness_nm * (target_rad - ahead)
+            - gains.damping_nms * speeds
+            + (-np.asarray(carried_nm, np.float64))
+        )
+        force = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias
+        force[infant.dofs] += wanted
+        mujoco.mj_solveM(self._twin, scratch, self._acceleration, force[None])
+        return wanted - self._step_damping * self._acceleration[0].take(infant.dofs)
 
 
 @dataclass(frozen=True)
