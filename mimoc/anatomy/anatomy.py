@@ -64,7 +64,6 @@ class Anatomy:
     """Pairs of geoms that slide on each other."""
 
     def __repr__(self) -> str:
-        """Return what it was assembled from."""
         return f"Anatomy({self.hands!r}, {self.development!r}, extra={self.extra!r})"
 
     @property

@@ -124,7 +124,6 @@ def grow_average(age_months: float, anatomy: Anatomy) -> BodyTree:
 def _grow(
     child: Measurements, reference: Reference, scales: Scales = NO_SCALES, composed: Composition = AVERAGE
 ) -> tuple[BodyTree, Masses]:
-    """Return the body that a child has grown to, and its masses."""
     anatomy = reference.anatomy
     shapes = shape_parts(child, reference, scales)
     masses = weigh_parts(shapes, reference)

@@ -90,7 +90,6 @@ def pose_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Posed:
 
 
 def _posed(tree: BodyTree, placed: Mapping[str, Frame]) -> Posed:
-    """Return the geoms of a body from the frames of its parts."""
     geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
     homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
     origins = np.stack([origin for origin, _ in homes], axis=-2)
@@ -142,12 +141,7 @@ def _walk(
 
 
 def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
-    """Return origin and rotation of every part in the world, shapes (3,) and (3, 3).
-
-    Args:
-        tree: The body.
-        state: Position and quaternion of the hip, then the hinges (qpos).
-    """
+    """Return origin and rotation of every part in the world, shapes (3,) and (3, 3), from qpos."""
     hip, turn = hip_in_world(state)
     angles_rad = dict(zip(tree.joints, state[7:], strict=False))
     placed = frames(tree, angles_rad)

@@ -92,11 +92,7 @@ def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
 
 
 def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> BodyGeometry:
-    """Return the dimensions of some kinds of parts.
-
-    Raises:
-        GeometryError: If a segment is wider than it is long.
-    """
+    """Return the dimensions of some kinds of parts; raise a GeometryError if a segment is wider than it is long."""
     return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds), BodyGeometry())
 
 

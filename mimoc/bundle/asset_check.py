@@ -106,7 +106,6 @@ def _mesh_bytes(content: bytes) -> int:
 
 
 def _vertices(content: bytes) -> int:
-    """Return the number of vertices of a skin in MuJoCo's format (XML reference, `deformable/skin/file`)."""
     if len(content) < 16:
         raise UnusableFileError("it is not a skin")
     verts, texcoords, faces, bones = np.frombuffer(content, "<i4", 4).tolist()

@@ -175,15 +175,7 @@ _UNSUPPORTED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP}
 
 @contextmanager
 def staged_folder(target: Path, *, force: bool = False) -> Iterator[Path]:
-    """Yield an empty folder, which is put in place of a new or empty one if nothing goes wrong.
-
-    Args:
-        target: That place.
-        force: Put it in place of a folder that is not empty, too.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Yield an empty folder that replaces a new or empty one, or any by *force*, or raise an OutputError."""
     place = Path(os.path.realpath(target))
     prefix = f".{place.name}{_PREFIX}"
     staging = place.parent / unfinished_name(prefix)

@@ -106,7 +106,6 @@ class Bundle:
         return versions_in(self.files)
 
     def __repr__(self) -> str:
-        """Return name, age, size and folder in one line."""
         size_kb = sum(map(len, self.files.values())) / 1000
         at = f", read from {str(self.path)!r}" if self.path else ""
         who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
@@ -325,7 +324,6 @@ def _locked_files(content: bytes) -> dict[str, str] | None:
 
 
 def _is_inside(name: str) -> bool:
-    """Return whether a relative path stays within its folder."""
     path = PurePosixPath(name)
     if not name.isprintable() or "\\" in name or len(path.parts) > MOST_NESTED:
         return False
@@ -368,5 +366,4 @@ def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> N
 
 
 def _staging_prefix(place: Path) -> str:
-    """Return how the names of unfinished folders for a bundle begin."""
     return f".{place.name}.mimoc-"

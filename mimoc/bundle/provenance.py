@@ -128,7 +128,6 @@ def read_entries(content: bytes) -> Entries:
 
 
 def _is_entry(entry: Any) -> bool:
-    """Return whether data says what is said of every number."""
     if not isinstance(entry, dict) or "value" not in entry or not isinstance(entry.get("rule"), str):
         return False
     texts, points, fit = [entry.get("unit", ""), entry.get("xml", "")], entry.get("points", []), entry.get("fit", {})

@@ -83,7 +83,6 @@ class WorldBundle:
     """Folder it was read from; None if it exists only in memory."""
 
     def __repr__(self) -> str:
-        """Return its name and those of its infants."""
         return f"WorldBundle({self.manifest.name!r}, {', '.join(self.infants)})"
 
     def __reduce__(self) -> tuple[Any, ...]:

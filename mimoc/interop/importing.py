@@ -16,16 +16,7 @@ IMPORTERS: Mapping[str, Callable[[str | Path], Imported]] = MappingProxyType(
 
 
 def import_config(system: str, path: str | Path) -> Imported:
-    """Convert another system's configuration into a spec.
-
-    Args:
-        system: A key of `IMPORTERS`.
-        path: Path of the configuration.
-
-    Raises:
-        UnknownNameError: If there is no such system.
-        SpecError: If the configuration is invalid; the error lists all problems.
-    """
+    """Convert another system's configuration, a key of `IMPORTERS`, into a spec; a SpecError lists all problems."""
     if system not in IMPORTERS:
         raise UnknownNameError("format to import from", system, IMPORTERS)
     return IMPORTERS[system](path)

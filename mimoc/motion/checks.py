@@ -101,12 +101,7 @@ def check_numbers(recording: PointRecording) -> PointRecording:
 
 
 def are_shares(positions: FloatArray, beside: float = 0.0) -> bool:
-    """Return whether positions are shares of a picture: x and y from 0 to 1.
-
-    Args:
-        positions: Shape (t, k, 2) or (t, k, 3).
-        beside: How far most of them may lie beside the picture, as a share of it.
-    """
+    """Return whether positions are shares of a picture, 0 to 1; most may lie *beside* it by this much."""
     places = positions[..., :2][np.isfinite(positions[..., :2]).all(axis=-1)]
     inside = ((places >= -beside) & (places <= 1 + beside)).all(axis=-1)
     return bool(inside.size) and float(inside.mean()) >= _MOSTLY_INSIDE
@@ -309,7 +304,6 @@ def _restless(recording: PointRecording) -> tuple[str, ...]:
 
 
 def _missing(recording: PointRecording) -> npt.NDArray[np.bool_]:
-    """Return where points are not seen, shape (t, k)."""
     return np.asarray(np.isnan(recording.positions).any(axis=-1))
 
 

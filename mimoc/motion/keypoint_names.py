@@ -138,7 +138,6 @@ def _labels_of_mmpose(meta: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _in_order(numbered: Sequence[tuple[int, Any]]) -> tuple[str, ...]:
-    """Return labels in the order of their numbers, which count from 0."""
     ordered = sorted(numbered, key=lambda pair: pair[0])
     if [number for number, _ in ordered] != [*range(len(ordered))]:
         raise ValueError("numbers are missing")

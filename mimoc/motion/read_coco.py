@@ -140,7 +140,6 @@ def _has(data: Any, key: str) -> bool:
 
 
 def _items(data: Any, where: str) -> Sequence[dict[str, Any]]:
-    """Return the entries of persons, which may be under a key."""
     keys = [
         key for key in ("annotations", "instances", "instance_info", "people") if isinstance(data, dict) and key in data
     ]
@@ -165,7 +164,6 @@ def _frame_name(entry: Mapping[str, Any], where: str) -> str:
 
 
 def _persons(entries: Iterable[Mapping[str, Any]], names: KeypointNames, where: str) -> list[Person]:
-    """Return those with keypoints who may be the infant."""
     chosen = [entry for entry in entries if entry.get("keypoints") and names.takes(entry)]
     return [
         person(

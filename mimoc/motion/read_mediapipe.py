@@ -84,7 +84,6 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def _placed(recording: PointRecording) -> PointRecording:
-    """Return landmarks without the third axis or, if the origin is at the hips, with one that points upwards."""
     if recording.unit == "px":
         return recording
     hips = [recording.path(name) for name in ("left_hip", "right_hip") if name in recording.names]
@@ -156,7 +155,6 @@ def _split(cell: str) -> tuple[str, str, str]:
 
 
 def _names(labels: Sequence[str]) -> list[str]:
-    """Return the landmarks that labels mean, by name or by number from 0 or 1; other labels stay as they are."""
     plain = [_plain(label) for label in labels]
     numbers = {int(word) for word in plain if word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))}
     first = 1 if len(LANDMARKS) in numbers and 0 not in numbers else 0
@@ -180,7 +178,6 @@ def _of_folder(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOptions) -> PointRecording:
-    """Return the landmarks of frames, one after the other, at a rate that their times may say instead."""
     header = [f"{landmark}_{what}" for landmark in LANDMARKS for what in ("x", "y", "z", "visibility")]
     numbers = np.full((len(frames), len(LANDMARKS), 4), np.nan)
     for index, frame in enumerate(frames):
@@ -251,7 +248,6 @@ def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[
 
 
 def _four(point: Any) -> tuple[Any, ...]:
-    """Return x, y, z and visibility of a landmark; None for those that it lacks."""
     if isinstance(point, dict):
         seen = point["visibility"] if "visibility" in point else point.get("presence", 1.0)
         return point["x"], point["y"], point.get("z"), seen

@@ -115,7 +115,6 @@ def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> Poi
 
 
 def _recognised(place: Path) -> MotionFormat:
-    """Return the format that a file or folder is in, or raise an UnusableFileError."""
     for kind in FORMATS.values():
         if function_of(kind.recognise, "recognise")(place):
             return kind

@@ -180,7 +180,6 @@ def _across(recording: PointRecording) -> FloatArray:
 
 
 def _in_space(recording: PointRecording) -> PointRecording:
-    """Return pixels with depth as places in the frame of the camera, [m]."""
     if recording.depth_m is None:
         return recording
     camera, depth_m = recording.camera or MINI_RGBD_CAMERA, recording.depth_m[..., None]

@@ -74,7 +74,6 @@ def correlation(first: FloatArray, second: FloatArray) -> float:
 
 
 def _of_ends(body: TrunkPaths, part: str) -> list[float]:
-    """Return what is measured of both hands or feet."""
     both, paths = body.both(part), body.sides(part)
     every = max(1, round(body.rate_hz / ENTROPY_HZ))
     peaks = [len(movement_units(speed)) for speed in both]

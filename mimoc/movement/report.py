@@ -193,15 +193,7 @@ def _spread_data(spread: Spread) -> dict[str, Any]:
 
 
 def measure_all(films: Sequence[Filmed], progress: Progress = no_progress) -> MovementMeasures:
-    """Return the measures of some infants.
-
-    Args:
-        films: The infants.
-        progress: Called with how many have been measured, and how many there are.
-
-    Raises:
-        MovementError: If one cannot be measured.
-    """
+    """Return the measures of some infants; MovementError if one cannot be measured."""
     measured = _measured(films, progress)
     if len(films) > 1:
         return measured

@@ -100,13 +100,11 @@ def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Fi
 
 
 def _is_recognised(path: Path) -> bool:
-    """Return whether something looks like a recording of points."""
     hidden = path.name.startswith(".")
     return not hidden and any(function_of(kind.recognise, "recognise")(path) for kind in FORMATS.values())
 
 
 def _first(paths: Iterator[Path], folder: Path) -> list[Path]:
-    """Return paths in their order, or raise a MovementError if there are too many."""
     chosen = sorted(islice(paths, MOST + 1))
     if len(chosen) > MOST:
         raise MovementError(f"{folder}: more than {MOST} files are in this folder; divide it")

@@ -154,7 +154,6 @@ def _colour(point: str) -> tuple[int, int, int]:
 
 
 def _stacked(rows: Sequence[Picture]) -> Picture:
-    """Return rows of pictures below each other, filled up with white at the right."""
     width = max(row.shape[1] for row in rows)
     return np.concatenate(
         [np.pad(row, ((0, 0), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows]

@@ -78,7 +78,6 @@ class Single:
     """The policy of the only infant of an environment."""
 
     def __init__(self, policy: Policy):
-        """Take it."""
         self._policy = policy
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
@@ -94,7 +93,6 @@ class ByName:
     """Policies of the infants of a world, by name."""
 
     def __init__(self, policies: Mapping[str, Policy]):
-        """Take the policy of each infant."""
         self._policies = policies
 
     def __call__(
@@ -113,7 +111,6 @@ class SumOfMany:
     """Several policies of many infants at once, or one; see `mimoc.policies.named.Sum`."""
 
     def __init__(self, batch: Batch, policies: Sequence[BatchPolicy]):
-        """Add policies of the same infants."""
         self._batch, self._policies = batch, tuple(policies)
         self._ages, self._limits = list[float](), ()
         self._has_voice = batch.infants[0].manifest.actuation.voice is not None
@@ -142,7 +139,6 @@ class OneByOne:
     """Policies of single infants, which act one after the other."""
 
     def __init__(self, policies: Sequence[Policy]):
-        """Take the policy of each infant."""
         self._policies = tuple(policies)
 
     def __call__(self, generators: Sequence[np.random.Generator], observations: Any) -> np.ndarray:
@@ -163,7 +159,6 @@ class OneByOne:
 
 
 def _bound(batch: Batch, part: PolicyPart, load: Loader | None) -> BatchPolicy:
-    """Return one policy of all infants."""
     if part.kind is None or part.kind.many is None:
         return _one_by_one(batch, lambda env: policy_of(env, part.text, load), f"'{part.text}'")
     bind = function_of(part.kind.many, "bind_many")

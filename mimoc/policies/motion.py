@@ -109,7 +109,6 @@ class MotionPolicy:
         return coming
 
     def _at(self, states: States, step: int) -> Wanted:
-        """Return the motion at a control step, the rest of the world where it was at the beginning."""
         model, (angles, speeds) = self._model, self._places
         at = min(step, len(states.qpos) - 1)
         qpos, qvel, qacc = self._rest.copy(), np.zeros(model.nv), np.zeros(model.nv)
@@ -140,7 +139,6 @@ class MotionPolicy:
         return lift
 
     def _log(self, wanted: Wanted) -> None:
-        """Keep how far the infant is from the motion and what was applied at its root."""
         errors, (joint_errors, root_errors, applied) = np.zeros(self._model.nv), self._logged
         mujoco.mj_differentiatePos(self._model, errors, 1.0, wanted.qpos, self._env.data.qpos)
         joint_errors.append(errors[self._body.joints.speeds])

@@ -89,7 +89,6 @@ PLACE, TURN = slice(0, 3), slice(3, 6)
 
 
 def _of_joints(prefix: str, errors_rad: FloatArray, shares: FloatArray) -> Iterator[tuple[str, float]]:
-    """Yield error and torque needed over available of some joints."""
     yield f"{prefix}error_deg", _rms_deg(errors_rad)
     known = shares[np.isfinite(shares)]
     if known.size:

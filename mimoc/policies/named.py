@@ -129,7 +129,6 @@ def summed(xp, actions, low, high):
 
 
 def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
-    """Return one policy for an environment."""
     if part.kind is None:
         if load is None:
             raise PolicyError(f"'{part.argument}': pass what mimoc.load_policy returns of it")

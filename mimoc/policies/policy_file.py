@@ -37,11 +37,7 @@ class PolicyFile:
 
 
 def read_policy(path: str | Path) -> PolicyFile:
-    """Read the file of a policy.
-
-    Raises:
-        PolicyError: If there is no such file, it is damaged, or another version of mimoc saved it.
-    """
+    """Read a policy's file; PolicyError if it is missing, damaged, or saved by another version of mimoc."""
     path = Path(path).expanduser()
     if not path.is_file():
         raise PolicyError(f"{path}: {NO_SUCH_FILE}")

@@ -177,11 +177,7 @@ def _commands(env: Infant, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
 
 
 def read_postures(path: Path) -> Postures:
-    """Return the movement in a file.
-
-    Raises:
-        PolicyError: If there is none.
-    """
+    """Return the movement in a file; raise a PolicyError if there is none."""
     try:
         movement = read_json_file(path, Postures)
     except UnusableFileError as error:

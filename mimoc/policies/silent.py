@@ -22,7 +22,6 @@ class Silent:
         return with_silence(self._policy(generator, observation), self._joints)
 
     def __getattr__(self, name: str) -> Any:
-        """Return what else the policy has."""
         if name == "_policy":
             raise AttributeError(name)
         return getattr(self._policy, name)

@@ -54,7 +54,6 @@ def leave_out_walls(scene: mujoco.MjvScene, position_m: FloatArray) -> None:
 
 
 def _floor(pixels: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Return the pixels of a floor of two colours in those of pictures."""
     brightness = pixels.sum(axis=1, dtype=np.int64)
     return np.where((2 * brightness > brightness.min() + brightness.max())[:, None], *map(_of_byte, FLOOR))
 

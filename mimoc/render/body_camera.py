@@ -113,11 +113,7 @@ class BodyCamera:
         self._renderer = Renderer(model, width_px, height_px, partial(_settings, shown, as_it_is, shadows_px), shown)
 
     def use_model(self, model: mujoco.MjModel) -> None:
-        """Draw another model of the same parts from now on.
-
-        Raises:
-            RenderingError: If OpenGL has no room for it.
-        """
+        """Draw another model of the same parts from now on; raise a RenderingError if OpenGL has no room for it."""
         self._model = model
         self._renderer.change_model(model)
 
@@ -150,7 +146,6 @@ class BodyCamera:
             return self._draw(data, markers, shot or self.shot(data))[::-1]
 
     def _draw(self, data: mujoco.MjData, markers: Markers | None, shot: Shot) -> Picture:
-        """Return the mean of all passes of a picture, the lowest row first."""
         renderer, exposure = self._renderer, self._exposure
         if markers is not None:
             renderer.reserve(len(markers.radii_m))
@@ -172,7 +167,6 @@ class BodyCamera:
         self._renderer.close()
 
     def _compose(self, data: mujoco.MjData, shot: Shot) -> None:
-        """Fill the scene with what a shot shows."""
         camera = mujoco.MjvCamera()
         camera.lookat[:], camera.distance = shot.lookat_m, shot.depth_m
         camera.azimuth, camera.elevation = shot.view
@@ -190,7 +184,6 @@ class BodyCamera:
 
 
 def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjModel) -> list[Setting]:
-    """Return what OpenGL is opened with for a model."""
     outdoors, quality = is_outdoors(model), model.vis.quality
     shadows_px = min(quality.shadowsize, shadows_px)
     settings: list[Setting] = [(quality, "offsamples", 0), (quality, "shadowsize", shadows_px)]

@@ -59,7 +59,6 @@ def view_of_head(data: mujoco.MjData, head: str) -> View:
 
 
 def _axis(data: mujoco.MjData, body: str, axis: int) -> FloatArray:
-    """Return an axis of a body in the world, shape (3,)."""
     return data.body(body).xmat.reshape(3, 3)[:, axis]
 
 
@@ -75,16 +74,7 @@ def drawn_spheres(
     drawn: npt.NDArray[np.bool_],
     shown: Shown,
 ) -> Spheres:
-    """Return what is drawn of some bodies, and of those that hang on them, as spheres, some of no size.
-
-    Args:
-        model: The model.
-        data: Its state.
-        scene: What is drawn, filled, which has the vertices of skins.
-        bodies: Names of the bodies.
-        drawn: Which geoms are drawn, shape (ngeom,).
-        shown: What is drawn of infants.
-    """
+    """Return what is drawn of some bodies, and of those that hang on them, as spheres, some of no size."""
     held = in_subtrees(model, [model.body(body).id for body in bodies])
     vertices_m = np.reshape(scene.skinvert, (-1, 3))
     skins = [
@@ -99,6 +89,5 @@ def drawn_spheres(
 
 
 def _bones(model: mujoco.MjModel, skin: int) -> npt.NDArray[np.int32]:
-    """Return the bodies that move a skin."""
     start, count = model.skin_boneadr[skin], model.skin_bonenum[skin]
     return model.skin_bonebodyid[start : start + count]

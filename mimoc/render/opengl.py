@@ -142,7 +142,6 @@ def _open(backend: str, width: int, height: int) -> Any:
 
 
 def _backends() -> Iterator[str]:
-    """Yield the modules of `mujoco` to try, the likeliest first."""
     wished = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wished in {"egl", "osmesa", "glfw", "cgl"}:
         yield wished

@@ -73,13 +73,7 @@ FONT_PX = 11, 24
 def tile_pictures(
     pictures: Sequence[Sequence[Picture]], columns: Sequence[str] = (), rows: Sequence[str] = ()
 ) -> Picture:
-    """Return pictures in rows and columns as one picture, shape (height, width, 3).
-
-    Args:
-        pictures: In rows, all of one size; a row may be shorter than others.
-        columns: Caption above each column.
-        rows: Caption to the left of each row, running upwards.
-    """
+    """Return pictures of one size in rows with captions as one picture, shape (height, width, 3)."""
     height, width, _ = pictures[0][0].shape
     font_px = int(np.clip(FONT_HEIGHT * height, *FONT_PX))
     left, top = (GAP_PX + bool(labels) * 2 * font_px for labels in (rows, columns))

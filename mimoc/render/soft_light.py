@@ -174,7 +174,6 @@ def passes(
 
 
 def _set_daylight(scene: mujoco.MjvScene, shot: Shot, daylight: Daylight) -> None:
-    """Replace all lights of a scene."""
     azimuth, elevation = shot.view
     scene.nlight = 1 + len(daylight.fills)
     for light, beam in zip(scene.lights, (daylight.sun, *daylight.fills), strict=False):
@@ -223,7 +222,6 @@ _Light = dict[str, Any]
 
 
 def _add_light(scene: mujoco.MjvScene, values: _Light, share: float = 1.0) -> None:
-    """Add a light to a scene, that shines with a share of its strength."""
     light = scene.lights[scene.nlight]
     for name, value in values.items():
         setattr(light, name, share * value if name in STRENGTHS else value)

@@ -17,13 +17,7 @@ Bytes = npt.NDArray[np.uint8]
 
 
 def lean_textures(model: mujoco.MjModel, colours: Bytes, used: npt.NDArray[np.bool_]) -> list[Setting]:
-    """Return smaller textures for the time in which OpenGL takes them: a pixel of those that are not used.
-
-    Args:
-        model: The model.
-        colours: Of all textures, as `model.tex_data` has them.
-        used: Which textures are, shape (ntex,).
-    """
+    """Return smaller textures, while OpenGL takes them: a pixel of those not *used*, shape (ntex,)."""
     pictures = [_picture(model, colours, number, bool(used[number])) for number in range(model.ntex)]
     sizes = np.array([picture.size for picture in pictures])
     if sizes.sum() > colours.size:  # There is no room for more than the model has.

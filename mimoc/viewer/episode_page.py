@@ -96,7 +96,6 @@ class _Film:
     _row: int = 0
 
     def __call__(self, env: InfantEnv, observation: Observation) -> None:
-        """Keep a frame, if it is due."""
         if self._own is None:
             self._own = own_parts(env.model, env.manifest)
             self.surroundings = describe_surroundings(env.model, env.data, self._own)
@@ -173,7 +172,6 @@ def _curve(name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
 
 
 def _videos(episode: Episode) -> Iterator[tuple[str, bytes]]:
-    """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":
             with TemporaryDirectory() as folder:

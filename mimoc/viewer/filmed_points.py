@@ -16,11 +16,7 @@ FROM_ABOVE = np.array([1.0, -1.0])
 
 
 def points_of(folder: Path) -> dict[str, Any] | None:
-    """Return the points of a retargeted recording for its page; None if the folder is another recording.
-
-    Raises:
-        MimocError: If the points are damaged.
-    """
+    """Return the points of a retargeted recording, or None; MimocError if they are damaged."""
     if not is_retargeted(folder):
         return None
     retargeted = read_retargeted(folder)
@@ -42,7 +38,6 @@ def points_of(folder: Path) -> dict[str, Any] | None:
 
 
 def _drawn(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return where points are in a picture whose y is downwards, shape (t, k, 2)."""
     return positions if positions.shape[-1] == 2 else positions[..., :2] * FROM_ABOVE
 
 

@@ -43,11 +43,7 @@ class Own:
 
 
 def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
-    """Return which parts of a model are the infant's.
-
-    Raises:
-        MimocError: If it has joints that are no hinges.
-    """
+    """Return which parts of a model are the infant's; MimocError if it has joints that are no hinges."""
     mine = in_subtrees(model, [model.body(manifest.root_body).id])
     root = model.joint(manifest.root_joint).id
     joints = np.flatnonzero(mine[model.jnt_bodyid] & (np.arange(model.njnt) != root))
@@ -87,7 +83,6 @@ def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -
 
 
 def _anatomy(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
-    """Return bodies, joints, geoms and eyes; numbers of bodies are those within the infant."""
     number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {

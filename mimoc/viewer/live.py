@@ -41,7 +41,6 @@ class Access:
     """
 
     def __init__(self) -> None:
-        """Make a token and a cookie that nobody can guess."""
         self._token, self._is_token_used = secrets.token_urlsafe(16), False
         self._cookie = secrets.token_urlsafe(16)
 
@@ -109,7 +108,6 @@ class Access:
 
 
 def _cookie_name(host: str) -> str:
-    """Return the name of the cookie: browsers share cookies among all ports of a machine."""
     return f"mimoc-{host.rpartition(':')[2]}"
 
 
@@ -188,11 +186,9 @@ class LiveView(AbstractContextManager["LiveView"]):
             self._server.stop()
 
     def __exit__(self, *_: object) -> None:
-        """Stop serving."""
         self.close()
 
     def _add_bodies(self, model: mujoco.MjModel) -> dict[int, Any]:
-        """Add all geoms, and return the frame of each body that has any."""
         scene = self._server.scene
         scene.set_up_direction("+z")
         frames: dict[int, Any] = {}
@@ -216,7 +212,6 @@ class LiveView(AbstractContextManager["LiveView"]):
         return frames
 
     def _add_skins(self, model: mujoco.MjModel) -> list[tuple[Any, list[int]]]:
-        """Add all skins, and return their meshes, each with the bodies that move it."""
         skins = []
         for index in range(model.nskin):
             skin = skin_of(model, index)

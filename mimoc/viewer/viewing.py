@@ -42,7 +42,6 @@ class View:
     """
 
     def __init__(self, html: str, difference: str | None = None):
-        """Keep a page, and what is said of a recording that did not come out again."""
         self.html = html
         """The page itself."""
         self.difference = difference
@@ -51,7 +50,6 @@ class View:
         """Where it was saved, if it was."""
 
     def __repr__(self) -> str:
-        """Return how large it is, and where it was saved."""
         return f"View({len(self.html) / 1e6:.1f} MB{f', saved as {self.path}' if self.path else ''})"
 
     def _repr_html_(self) -> str:
@@ -152,7 +150,6 @@ def _recording_of(shown: object) -> "ReadRecording | None":
 
 
 def _page_of_env(env: InfantEnv, physics: bool) -> str:
-    """Return the page of an infant that is as it is now."""
     packed, infant = EncodedArrays(), own_parts(env.model, env.manifest)
     about: dict[str, Any] = packed.put(describe(env.bundle, physics))
     about = with_posture(about, packed, env.data.qpos[infant.qpos], env.manifest.child.length_cm)

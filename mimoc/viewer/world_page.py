@@ -100,7 +100,6 @@ def _move(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
 
 
 def _composed(move: Place, place: Place) -> Place:
-    """Return a place after a move."""
     offset_m, turned = np.empty(3), np.empty(4)
     mujoco.mju_rotVecQuat(offset_m, place[0], move[1])
     mujoco.mju_mulQuat(turned, move[1], place[1])

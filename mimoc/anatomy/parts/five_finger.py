@@ -80,7 +80,6 @@ def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) ->
 
 
 def _bone(name: str, mass_kg: float, size_from: tuple[str, str]) -> ReferenceGeom:
-    """Return the only geom of a phalanx; *name* is without its side."""
     rule = f"radius from {size_from[1]} / 2, length a share of half of hand_length"
     name, size_m = f"{{side}}_{name}1", _SIZES_M[name[:2]][_BONES[name[2:]]]
     return ReferenceGeom(name, "capsule", mass_kg, size_from, rule, condim=_GRIP_CONDIM, mass_at_m=size_m)

@@ -80,7 +80,6 @@ def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
 
 
 def _some_across(axis: FloatArray) -> FloatArray:
-    """Return a unit vector across an axis."""
     other = np.eye(3)[np.abs(axis).argmin()]
     across = other - (other @ axis) * axis
     return across / np.linalg.norm(across)

@@ -18,15 +18,7 @@ def root(
     precision: float,
     method: Literal["brentq", "bisect"] = "brentq",
 ) -> float:
-    """Return where *function*, which has another sign at *low* than at *high*, is zero.
-
-    Args:
-        function: Continuous for `brentq`; `bisect` also finds where it jumps.
-        low: One end of the bracket.
-        high: The other end.
-        precision: Largest error of the result.
-        method: As for `scipy.optimize.root_scalar`.
-    """
+    """Return where *function*, of another sign at *low* than at *high*, is zero; `bisect` also finds where it jumps."""
     from scipy.optimize import root_scalar  # It takes longer to import than most infants take to build.
 
     return float(root_scalar(function, bracket=(low, high), xtol=precision, method=method).root)

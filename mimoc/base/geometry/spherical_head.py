@@ -51,11 +51,7 @@ def interaural_time_s(azimuth_rad: Any, radius_m: float) -> Any:
 
 
 def ear_angles(directions: FloatArray) -> FloatArray:
-    """Return the angles between directions and the left and the right ear, shape (n, 2).
-
-    Args:
-        directions: Unit vectors, shape (n, 3), x forward and y to the left.
-    """
+    """Return angles between unit vectors (n, 3), x forward and y left, and the left and the right ear, shape (n, 2)."""
     cosines = np.stack([directions[:, 1], -directions[:, 1]], axis=1)
     return np.arccos(np.minimum(np.maximum(cosines, -1.0), 1.0))
 

@@ -14,7 +14,6 @@ VON_HOFSTEN = "von Hofsten & Rönnqvist 1993, Child Dev 64: 1046"
 
 
 def _of_end(part: str) -> list[Quantity]:
-    """Return what is measured of both hands, or of both feet, over both sides together."""
     label = part.capitalize()
     return [
         of_recording(name.format(part), f"{label}: {what}", unit, about, source)

@@ -31,7 +31,6 @@ def read_senses(settings: Settings) -> dict[str, Any]:
 
 
 def _switch(settings: Settings, *names: str) -> bool | None:
-    """Return whether a sense is on, by any of the keys for it."""
     forms = [form for name in names for form in (name, f"{name}_active", f"{name}_on", f"{name}_enabled")]
     return settings.flag(*forms, *(f"use_{name}" for name in names))
 
@@ -80,7 +79,6 @@ def _density(settings: Settings) -> float | None:
 
 
 def _skin(settings: Settings) -> list[str] | None:
-    """Return the groups with skin, None if all have skin."""
     beside = {"touch_function", "touch_quantity", "touch_scale", "touch_scales"}
     beside |= {"touch_response", "touch_response_function", "touch_active", "touch_on", "touch_enabled"}
     regions, with_skin = read_groups(settings, "touch_", ("which has none", "which has skin"), beside=beside)

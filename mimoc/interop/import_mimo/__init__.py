@@ -104,7 +104,6 @@ def _compiled(tree: Element, files: Mapping[str, bytes], file: str) -> mujoco.Mj
 
 
 def _notes_on_locks(infant: Infant, spec: dict[str, Any]) -> list[str]:
-    """Return what is said of what the scene locks and the spec does not."""
     partly = [group for group, wholly in locked_groups(infant).items() if not wholly]
     notes = [f"some joints of {', '.join(partly)} are locked; a spec locks whole muscle groups"] if partly else []
     if "locked" in spec.get("actuation", {}):

@@ -125,13 +125,7 @@ def asset_name(element: Element) -> tuple[str, str]:
 def split_assets(
     assets: list[Element], used: set[tuple[str, str]], infants: set[tuple[str, str]]
 ) -> tuple[list[Element], list[Element]]:
-    """Return the assets that the rest of a scene keeps, and those that only the infant has.
-
-    Args:
-        assets: All of them.
-        used: Kind and name of those that the rest of the scene uses.
-        infants: The same of those that the infant uses, or that mimoc's infant has.
-    """
+    """Return the assets that the rest of a scene *used*, and those that only the infant has, by kind and name."""
     by_name = {asset_name(asset): asset for asset in assets}
     wanted = _with_textures(used, by_name)
     only = _with_textures(infants, by_name) - wanted
@@ -141,5 +135,4 @@ def split_assets(
 
 
 def _with_textures(names: set[tuple[str, str]], by_name: Mapping[tuple[str, str], Element]) -> set[tuple[str, str]]:
-    """Return assets and the textures of those that are materials."""
     return names | used_assets(by_name[name] for name in names if name in by_name)

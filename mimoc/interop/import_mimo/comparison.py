@@ -42,7 +42,6 @@ def notes_on_infant(
 
 
 def _age_text(age: Age) -> str:
-    """Return what is said of the age."""
     if not age.differences_m:
         return f"none of its geoms is MIMo's, so its age is unknown; the spec says {age.months:g} months"
     law = f"the sizes of {age.months:g} months by the published law of growth"
@@ -76,7 +75,6 @@ def _differences(infant: Infant, *models: mujoco.MjModel) -> Iterator[str]:
 
 
 def _values(model: mujoco.MjModel, kind: str, attribute: str, names: Iterable[str]) -> Values:
-    """Return the values of those elements of a kind that have some names."""
     count = {"body": model.nbody, "joint": model.njnt, "actuator": model.nu, "camera": model.ncam}[kind]
     view: Callable[[int], Any] = getattr(model, kind)
     wanted, elements = set(names), map(view, range(count))
@@ -114,7 +112,6 @@ def _compared(
     relative: bool = False,
     more: str = "",
 ) -> str:
-    """Return a line on values that differ, empty if none does."""
     scene, mimocs = of_both
     sizes = dict[str, float]()
     for name in scene.keys() & mimocs.keys():

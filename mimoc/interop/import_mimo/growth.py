@@ -113,7 +113,6 @@ def _known_name(model: mujoco.MjModel, geom: int, geoms: Mapping[str, Geom]) -> 
 
 
 def _differences(sizes: Sizes, tree: BodyTree) -> dict[str, float]:
-    """Return the largest difference of each geom's sizes from those of a body."""
     wanted = {name: tree.geoms[name].size_m for name in sizes}
     return {name: float(np.max(np.abs(size[: len(wanted[name])] - wanted[name]))) for name, size in sizes.items()}
 

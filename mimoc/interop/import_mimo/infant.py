@@ -93,11 +93,7 @@ class Infant:
 
 
 def find_infant(tree: Element, file: str) -> Infant:
-    """Return the MIMo in a scene.
-
-    Raises:
-        SpecError: If there is none, or if its trunk or its hands are not MIMo's.
-    """
+    """Return the MIMo in a scene; raise a SpecError if there is none, or if its trunk or its hands are not MIMo's."""
     hip = next((body for body in tree.walk() if body.tag == "body" and body.get("name") == HIP), None)
     names = {body.get("name") for body in hip.walk() if body.tag == "body"} if hip else set[str]()
     if hip is None or names.isdisjoint(BODIES[1:]):

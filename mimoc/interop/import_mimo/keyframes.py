@@ -50,7 +50,6 @@ def moved_keyframes(infant: Infant, source: mujoco.MjModel, scene: mujoco.MjMode
 
 
 def _joints(model: mujoco.MjModel) -> dict[str, int]:
-    """Return the joints by name, or by body and number where they have none."""
     names = dict[str, int]()
     for joint in range(model.njnt):
         body = model.jnt_bodyid[joint]
@@ -64,7 +63,6 @@ def _actuators(model: mujoco.MjModel) -> dict[str, int]:
 
 
 def _pairs(old: Mapping[str, int], new: Mapping[str, int], renamed: Mapping[str, str]) -> Iterator[tuple[int, int]]:
-    """Yield the numbers of what both have, in the one and in the other."""
     for name, number in old.items():
         body, slash, _ = name.partition("/")
         name = FREE_JOINT if slash and renamed.get(body) == HIP else renamed.get(name, name)

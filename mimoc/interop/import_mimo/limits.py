@@ -85,7 +85,6 @@ def _problems_of(element: Element) -> Iterator[Problem]:
 
 
 def _bound(element: Element, name: str) -> float:
-    """Return the largest value that an attribute may have."""
     if element.tag in ("spatial", "site", "geom", "camera") and name != "resolution":
         return math.inf  # A width there is one in metres.
     if name.startswith("nuser_") or name.endswith("iterations"):
@@ -96,7 +95,6 @@ def _bound(element: Element, name: str) -> float:
 
 
 def _numbers(name: str, value: str) -> list[float]:
-    """Return the numbers of an attribute, none if it is text."""
     if name in ("name", "class", "childclass", "file", "user"):
         return []
     try:

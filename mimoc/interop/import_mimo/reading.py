@@ -149,7 +149,6 @@ class _Reader:
         return holder.children[0]
 
     def _include(self, element: Element) -> None:
-        """Replace the includes below an element by what they include."""
         children: list[Element] = []
         for child in element.children:
             if child.tag != "include":

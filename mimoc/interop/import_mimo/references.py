@@ -65,13 +65,7 @@ def references(element: Element) -> Iterator[tuple[str, str]]:
 
 
 def resolved(element: Element, names: Names, others: Mapping[tuple[str, str], str]) -> tuple[Element, list[str]]:
-    """Return an element whose references lead to what has the name now, and what does not exist any more.
-
-    Args:
-        element: The element, with those below it.
-        names: All names that there are, by kind.
-        others: New name of what has another one, by kind and earlier name.
-    """
+    """Return an element, with those below it, whose references lead to what has the name now, and what is gone."""
     attributes, missing = dict(element.attributes), list[str]()
     for attribute, kind in references(element):
         name = attributes[attribute]

@@ -65,7 +65,6 @@ def rest_of(infant: Infant, model: mujoco.MjModel, mjcf: bytes, mimocs: mujoco.M
 
 
 def _options(mjcf: bytes) -> tuple[Element, Element]:
-    """Return the elements of an infant that the scene needs: its options and its sizes."""
     root = ElementTree.fromstring(mjcf)
     (option,), (size,) = root.findall("option"), root.findall("size")
     flags = [Element(flag.tag, dict(flag.attrib)) for flag in option]
@@ -169,7 +168,6 @@ def _referring(sections: list[Element], infant: Infant, names: Names, notes: lis
 
 
 def _is_infants(section: str, element: Element, infant: Infant, names: Names) -> bool:
-    """Return whether an element is one that mimoc's infant brings along."""
     name = element.get("name")
     if section == "actuator":
         return name in names["actuator"] or name in infant.motors
@@ -196,7 +194,6 @@ def _with_defaults(sections: list[Element], infant: Infant) -> list[Element]:
 
 
 def _classes(element: Element) -> Iterator[str]:
-    """Yield the default classes that elements use."""
     for part in element.walk():
         if part.tag != "default":
             yield from (part.get(name) for name in ("class", "childclass") if part.get(name))
@@ -221,7 +218,6 @@ def _with_assets(sections: list[Element], infant: Infant, names: Names) -> list[
 
 
 def _renamed(element: Element, names: Mapping[tuple[str, str], str]) -> Element:
-    """Return an element, with those below it, with other names of some assets."""
     if not names:
         return element
     new = {name: names.get((name, value), value) for name, value in element.attributes.items()}

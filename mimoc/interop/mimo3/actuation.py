@@ -58,11 +58,7 @@ class ActuationModel:
         data.ctrl[self.actuators] = self._act.controls(self.command(action), data)
 
     def observations(self) -> npt.NDArray[Any]:
-        """Return what proprioception has of the actuators.
-
-        Raises:
-            MimocError: If it does not include them.
-        """
+        """Return what proprioception has of the actuators; raise a MimocError if it does not include them."""
         outputs = self.env.proprioception.sensor_outputs
         if "actuation" not in outputs:
             raise MimocError("the actuation is not observed; add 'actuation' to the components of proprio_params")
@@ -99,7 +95,6 @@ class PositionalModel(ActuationModel):
     model = "position"
 
     def __init__(self, env: Any, actuators: Any = None):
-        """Find the ranges of the joints."""
         self._range = env.model.jnt_range[env.model.actuator_trnid[env.infant.actuation.actuators, 0]]
         super().__init__(env, actuators)
         self.observed = self.observed[: len(self.observed) // 2]

@@ -102,7 +102,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         self._start(senses)
 
     def _start(self, senses: Any) -> None:
-        """Set up the first episode, the senses and what is observed."""
         self._is_resetting = True
         self._judged: Any = (0.0, False, False, {"is_success": False, "reward_terms": {}, "unstable": False})
         self._set_initial_position()
@@ -111,7 +110,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         self.observation_space: Any = Dict({name: self._space(name, array) for name, array in self._get_obs().items()})
 
     def _env_setup(self, params: Any) -> None:
-        """Set up the senses that the infant has."""
         self._sense()
         self.proprio_setup(params[0])
         for name, given in zip(("touch", "vision", "vestibular"), params[1:], strict=True):
@@ -165,7 +163,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         return {"default" if name == "neutral" else name: name for name in names}
 
     def __getattr__(self, name: str) -> Any:
-        """Say what to use instead of an attribute that is not there."""
         advice = ABSENT.get(name, "see docs/from_mimo.md, or use .infant, the mimoc.InfantEnv below")
         raise AttributeError(f"'{type(self).__name__}' of mimoc.interop.mimo3 has no attribute '{name}'; {advice}")
 
@@ -337,11 +334,9 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         return camera
 
     def _set_action(self, action: npt.NDArray[Any]) -> None:
-        """Set the controls of the model, without delay."""
         self.actuation_model.action(action)
 
     def _single_mujoco_step(self) -> None:
-        """Make a physics step."""
         mujoco.mj_step(self.model, self.data)
 
     def _sense(self) -> None:

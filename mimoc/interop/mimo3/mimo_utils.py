@@ -57,5 +57,4 @@ def get_body_position(data: mujoco.MjData, body_id: int) -> npt.NDArray[np.float
 
 
 def __getattr__(name: str) -> Any:
-    """Say what to use instead of a function that is not there."""
     raise AttributeError(f"mimo_utils has no '{name}' here; use MuJoCo's names, such as data.body('head').xpos")

@@ -35,7 +35,6 @@ class SimpleProprioception:
     """Joint angles, velocities, torques and limits, and the state of the actuators, in MIMo3's order: by name."""
 
     def __init__(self, env: Any, proprio_parameters: Mapping[str, Any] | None):
-        """Find where each component stands in mimoc's observation."""
         self.env, self.proprio_parameters = env, proprio_parameters
         entry = _entry(env, "proprioception", "proprio_params", proprio_parameters)
         joints, sensors = list(entry.joints), list(entry.torque_sensors)
@@ -65,7 +64,6 @@ class TrimeshTouch:
     """Forces at the skin points of bodies, which come in the order of the model."""
 
     def __init__(self, env: Any, touch_params: Mapping[str, Any] | None):
-        """Find the points of each body."""
         entry = _entry(env, "touch", "touch_params", touch_params)
         bodies = {env.model.body(part.body).id: part for part in entry.skin}
         self.env, self._ends = env, np.cumsum([part.points for part in entry.skin])[:-1]

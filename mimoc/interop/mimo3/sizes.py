@@ -21,15 +21,7 @@ STEP = 0.05
 
 
 def factors_of_geoms(spec: InfantSpec, sizes: Mapping[Any, float]) -> dict[str, dict[str, float]]:
-    """Return factors of both sides' parts with which geoms of the left side have some sizes.
-
-    Args:
-        spec: The infant without them.
-        sizes: In [m], by name of the geom and index of its size.
-
-    Raises:
-        MimocError: If one is no size of a limb of the left side, or there is no such infant.
-    """
+    """Return factors of both sides' parts that give geoms of the left side sizes in [m], or raise a MimocError."""
     factors: dict[str, dict[str, float]] = {}
     for key in sizes:
         if not isinstance(key, tuple) or len(key) != 2 or key[0] not in LIMBS or key[1] not in (0, 1):

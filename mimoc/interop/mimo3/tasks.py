@@ -33,7 +33,6 @@ class _Scene(MIMoEnv):
     """Keywords that differ from those of `MIMoEnv` by default."""
 
     def __init__(self, model_path: Any = None, **keywords: Any):
-        """Open the scene, or another one; see `MIMoEnv`."""
         super().__init__(self.scene if model_path is None else model_path, **{**self.keywords, **keywords})
 
     @property
@@ -115,7 +114,6 @@ class MIMoCatchEnv(_Scene):
         position_inaccurate: bool = False,
         **keywords: Any,
     ):
-        """Open the scene; see `MIMoEnv`."""
         if jitter or position_inaccurate:
             raise MimocError(
                 "jitter and position_inaccurate have no counterpart; give a spec with 'noise: {motor: .1}'"
@@ -147,7 +145,6 @@ class MIMoDummyEnv(_Scene):
     def __init__(
         self, model_path: Any = None, show_sensors: bool = False, print_space_sizes: bool = False, **keywords: Any
     ):
-        """Open the scene; see `MIMoEnv`."""
         if show_sensors:
             raise MimocError("show_sensors has no counterpart; `mimoc render --skin` draws the skin points")
         self.steps = 0

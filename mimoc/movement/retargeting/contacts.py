@@ -123,13 +123,7 @@ def spheres_of(model: mujoco.MjModel) -> list[Sphere]:
 
 
 def contacts_of(spheres: list[Sphere], first: int, resting_m: FloatArray | None) -> Contacts:
-    """Return what may touch what: hands keep out of trunk and head, and legs out of each other.
-
-    Args:
-        spheres: The spheres.
-        first: How many points come before them.
-        resting_m: Heights of the spheres of the infant at rest on the floor; None for one who does not lie.
-    """
+    """Return what may touch what: hands keep out of trunk and head, and legs out of each other."""
     names = [sphere.name for sphere in spheres]
     place = {name: index for index, name in enumerate(names)}
     lying = ()

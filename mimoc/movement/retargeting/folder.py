@@ -187,7 +187,6 @@ def _account(path: Path) -> Mapping[str, Any]:
 
 
 def _readme(retargeted: Retargeted, motion: JointMotion) -> str:
-    """Return what the folder says of itself."""
     child, account = retargeted.bundle.manifest.child, retargeted.account
     error = 100 * account.error_median / account.trunk
     size = f"{child.length_cm:.0f} cm long" if account.size_is_known else SCALE_NOT_KNOWN

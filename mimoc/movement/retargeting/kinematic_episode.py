@@ -62,7 +62,6 @@ def record_motion(
 
 
 def _limits(env: InfantEnv) -> FloatArray:
-    """Return the largest force or torque at each degree of freedom, shape (nv,)."""
     model, actuation = env.model, env.actuation
     weight_n = -float(model.opt.gravity[2]) * float(model.body_subtreemass[model.body(env.manifest.root_body).id])
     limits = np.full(model.nv, WEIGHTS * weight_n * LEVER_M)

@@ -165,7 +165,6 @@ def _library(x: FloatArray, columns: IntArray, sd: FloatArray, low: FloatArray, 
 
 
 def _limbs(names: tuple[str, ...]) -> list[IntArray]:
-    """Return the unknowns of each limb and of the head."""
     groups: dict[str, list[int]] = {}
     for index, name in enumerate(names):
         side, _, part = name.removeprefix("robot:").partition("_")

@@ -130,11 +130,7 @@ def _result(
 
 
 def check(recording: PointRecording) -> None:
-    """Check that a recording tells enough for a fit.
-
-    Raises:
-        RecordingError: If not.
-    """
+    """Check that a recording tells enough for a fit; raise a RecordingError if not."""
     missing = [name for name in TRUNK if name not in recording.names]
     if missing:
         raise RecordingError(
@@ -219,6 +215,5 @@ def _scaled(state: State, factor: float) -> State:
 
 
 def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:
-    """Return the noise that differences have."""
     factors = (*sure.noise, 1.0)
     return Noise(max(noise.places * factors[0], noise.least), max(noise.depth_m * factors[1], 1e-4), noise.least)

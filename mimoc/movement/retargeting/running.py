@@ -76,15 +76,7 @@ class Run:
         free: BoolArray,
         outliers: tuple[float, float] = (OUTLIER, OUTLIER),
     ) -> State:
-        """Return the best state after some steps, or when it was interrupted.
-
-        Args:
-            problem: What is fitted.
-            state: Where it begins.
-            steps: Steps at most.
-            free: Which of height and sizes may change.
-            outliers: Distance of an outlier first and last.
-        """
+        """Return the best state after at most so many steps; *outliers* are distances, first and last."""
         states, end = [state], self.done + steps
         if not self.interrupted:
             try:

@@ -111,11 +111,7 @@ class Setting:
         return self.sees_size or self.length_cm is not None
 
     def shared_sd(self, as_sure: float = 1.0) -> FloatArray:
-        """Return the standard deviation of the height and of the logarithms of sizes, shape (1 + s,).
-
-        Args:
-            as_sure: How many times as sure as usual sizes are taken to be.
-        """
+        """Return the SD of height and logarithms of sizes, (1 + s,), taken *as_sure* times as sure as usual."""
         height_m = HEIGHT_SD_M if self.height_m is None else KNOWN_SD_M
         overall = OVERALL_SD if self.length_cm is None else LENGTH_SD
         return np.array([height_m, overall, *(size.sd / as_sure for size in self.sizes)])

@@ -105,13 +105,7 @@ def gives_length(spec: InfantSpec) -> bool:
 
 
 def resized(spec: InfantSpec, factors: Mapping[str, float], length_cm: float | None = None) -> InfantSpec:
-    """Return the spec of a child whose parts are longer or wider by factors.
-
-    Args:
-        spec: The child before.
-        factors: By name of a size; they multiply what the spec has.
-        length_cm: Length of the child; None leaves it as it is.
-    """
+    """Return the spec of a child with parts longer or wider by factors; None leaves the length as it is."""
     parts: dict[str, dict[str, float]] = {}
     for size in SIZES:
         if (factor := factors.get(size.name, 1.0)) == 1.0:
@@ -143,12 +137,7 @@ def shape_of(child: Child, points: PointsOf, sizes: Sequence[Size]) -> Shape:
 
 
 def at_sizes(shape: Shape, logs: FloatArray) -> Shape:
-    """Return the vectors at other sizes: v = e^o (v_0 + sum_i (e^l_i - 1) d_i), with their derivatives by o and l_i.
-
-    Args:
-        shape: Vectors and derivatives at the sizes that the child has.
-        logs: Logarithms o, l_1, l_2 ... of sizes, relative to these, shape (s,).
-    """
+    """Return the vectors v = e^o (v_0 + sum_i (e^l_i - 1) d_i) at logs o, l_1 ..., with their derivatives by these."""
     return Shape(*(_scaled(array, logs) for array in (shape.bodies_m, shape.anchors_m, shape.points_m)))
 
 

@@ -90,12 +90,7 @@ class Skeleton:
         return ROOT + len(self.hinges.names)
 
     def pose(self, x: FloatArray, shape: Shape) -> Pose:
-        """Return where everything is.
-
-        Args:
-            x: Unknowns, shape (f, n).
-            shape: Sizes of the body.
-        """
+        """Return where everything is, at unknowns of shape (f, n)."""
         model, hinges, frames = self._model, self.hinges, len(x)
         turned, origin = {}, {}
         anchors, axes = np.zeros((len(hinges.ids), frames, 3)), np.zeros((len(hinges.ids), frames, 3))

@@ -97,7 +97,6 @@ def _face_down(up: FloatArray, left: FloatArray, right: FloatArray) -> float:
 def _rolled_over(
     turned: FloatArray, neck: FloatArray, hips: FloatArray, root_m: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the infant turned about the long axis of its trunk to its front."""
     axis = (neck - hips) * [1.0, 1.0, 0.0]
     half = exponential(np.pi * (axis / np.linalg.norm(axis))[None])[0][0]
     return half @ turned, root_m + half @ (neck - root_m), root_m + half @ (hips - root_m)

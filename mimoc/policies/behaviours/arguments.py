@@ -31,12 +31,7 @@ class Arguments:
 
 
 def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0) -> Arguments:
-    """Return the arguments in a text.
-
-    Raises:
-        PolicyError: If there are more words than it takes, or a number is none or out of range.
-        UnknownNameError: If it has no such option.
-    """
+    """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError."""
     words, numbers = list[str](), {name: option.default for name, option in options.items()}
     # Three bare numbers at the beginning get parentheses.
     number = r"\s*[-+]?\d*\.?\d+\s*"

@@ -80,12 +80,7 @@ class Behaviour:
         raise NotImplementedError
 
     def lost(self, data: mujoco.MjData, may_touch: frozenset[int]) -> str:
-        """Return why a state is none that it is for, in a few words; nothing if it is.
-
-        Args:
-            data: The present state.
-            may_touch: Bodies that others may bring to the floor.
-        """
+        """Return why a state is none that it is for, or ""; others may bring the bodies *may_touch* to the floor."""
         return ""
 
     def watch(self, data: mujoco.MjData, time_s: float) -> None:

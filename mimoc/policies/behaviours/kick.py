@@ -44,7 +44,6 @@ class Kick(Behaviour):
     is_whole = True
 
     def __init__(self, subject: Subject, sides: tuple[str, ...], rate_per_min: float, hip_deg: float):
-        """Bind it to an infant, and those of its legs that kick."""
         infant, self._sides = subject.infant, sides
         self.start = start = infant.placed(PITCH_DEG, RESTING_DEG)
         self.joints, self.loose = np.arange(len(infant.joints)), subject.moved_by(LEGS)
@@ -78,17 +77,12 @@ class Kick(Behaviour):
 
 
 def _flexion(name: str, sides: tuple[str, ...], hip_deg: float) -> float:
-    """Return by how much a hinge turns in a kick, [rad]."""
     side, _, joint = name.partition("_")
     return float(np.radians(hip_deg * SYNERGY.get(joint, 0.0))) if side in sides else 0.0
 
 
 def bind(subject: Subject, text: str = "") -> Kick:
-    """Return the behaviour that kicks with a leg, or with both.
-
-    Raises:
-        PolicyError: If the infant lacks the leg.
-    """
+    """Return the behaviour that kicks with a leg, or with both; raise a PolicyError if the infant lacks the leg."""
     given = read_arguments("kick", text, OPTIONS, most_words=1)
     side = given.words[0] if given.words else BOTH
     check_name("leg that can kick", side, WORDS)

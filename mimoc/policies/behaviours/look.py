@@ -32,11 +32,7 @@ class Look(Behaviour):
     """
 
     def __init__(self, subject: Subject, target: Target):
-        """Bind it to an infant.
-
-        Raises:
-            PolicyError: If the infant has no eyes.
-        """
+        """Bind it to an infant; raise a PolicyError if the infant has no eyes."""
         infant, model = subject.infant, subject.infant.model
         self.joints = subject.moved_by(MOVING)
         self._cameras = [model.camera(eye.camera).id for eye in subject.manifest.anatomy.eyes]

@@ -15,7 +15,6 @@ class NoticedTarget:
     """A target that is new where it appears, and wherever it jumps to."""
 
     def __init__(self, target: Target, reaction: Reaction[int] | None, chance: Chance):
-        """Notice a target, at once without a reaction."""
         self.target, self._reaction, self._chance = target, reaction, chance
         self._number = 0
         self._seen_m: FloatArray | None = None
@@ -37,14 +36,8 @@ class NoticedTarget:
         self._seen_m = place_m
 
     def place_m(self, ahead: mujoco.MjData, time_s: float) -> FloatArray | None:
-        """Return where it is as far as the infant has reacted to it, shape (3,); None before it has for the first time.
-
-        Args:
-            ahead: The state in which a command takes effect.
-            time_s: Time since the episode began.
-        """
+        """Return where it is as far as the infant has reacted to it, shape (3,); None before the first time."""
         return self.target.place_m(ahead) if self._is_known(time_s) else self._known_m
 
     def _is_known(self, time_s: float) -> bool:
-        """Return whether the infant has reacted to where it is now."""
         return self._reaction is None or (self._number > 0 and self._reaction.at(time_s) == self._number)

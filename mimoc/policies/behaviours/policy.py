@@ -38,11 +38,7 @@ class BehaviourPolicy:
     """
 
     def __init__(self, env: Infant, named: Sequence[NamedBehaviour]):
-        """Bind behaviours to an infant.
-
-        Raises:
-            PolicyError: If they do not go together, or the infant cannot do one of them.
-        """
+        """Bind behaviours to an infant; PolicyError if they do not go together, or the infant cannot do one of them."""
         self._env, self._named = env, tuple(named)
         self._labels = numbered([one.label for one in named])
         self._finished, self._begun_at = list[Mapping[str, float]](), np.empty(0)
@@ -125,7 +121,6 @@ class BehaviourPolicy:
         self._seen_s = time_s + self._step_s
 
     def _of_episode(self) -> dict[str, float]:
-        """Return what is told of the present episode: for how long a posture was held, then by each behaviour."""
         ensemble, lost_s, held = self._ensemble, self._lost_after_s, dict[str, float]()
         if ensemble.whole is not None:
             held = {"held_s": self._seen_s if lost_s is None else lost_s, "held_share": float(lost_s is None)}

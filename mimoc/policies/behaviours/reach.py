@@ -47,7 +47,6 @@ class Reach(Behaviour):
     """Brings the palm of a hand to a target: of several hands, that which is nearest when an episode begins."""
 
     def __init__(self, subject: Subject, target: Target, arms: Sequence[Arm], speed_m_s: float):
-        """Bind it to an infant and those of its arms that may reach."""
         self._model, self._named, self._arms, self._speed_m_s = subject.infant.model, target, arms, speed_m_s
         self._subject = subject
 
@@ -112,7 +111,6 @@ def bind(subject: Subject, text: str) -> Reach:
 
 
 def _arms(subject: Subject) -> Iterator[Arm]:
-    """Yield the arms that end in a hand and have joints that are driven."""
     infant, model = subject.infant, subject.infant.model
     for limb in subject.manifest.anatomy.arms:
         if limb.end:

@@ -102,7 +102,6 @@ class FrameTask:
     """An objective with a target position."""
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains):
-        """Set the site, the target position in the world, and the gains."""
         self.site, self.target, self.gains = site, target, gains
 
     @property

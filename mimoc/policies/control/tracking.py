@@ -51,11 +51,7 @@ class Body:
     """A copy of an infant's state, with the n joints that its commanded actuators move."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        """Bind to a model.
-
-        Raises:
-            ControlError: If the infant has servos.
-        """
+        """Bind to a model; raise a ControlError if the infant has servos."""
         mapping, actuation = find_mapping(manifest.actuation.model), bind_actuation(manifest.actuation, model)
         joints = Joints(driven_joints(actuation, model, manifest), model, manifest.prefix)
         self.model, self.data, self.joints = model, mujoco.MjData(model), joints
@@ -71,7 +67,6 @@ class Body:
         self.is_own: npt.NDArray[np.bool_] = model.body_rootid == model.body_rootid[self.root]
 
     def _moving(self, roots: Sequence[str]) -> npt.NDArray[np.bool_]:
-        """Return which joints move bodies, or what hangs on them, shape (n,)."""
         bodies = in_subtrees(self.model, [self.model.body(root).id for root in roots])
         return bodies[self.model.jnt_bodyid[self.joints.indices]]
 
@@ -125,16 +120,7 @@ class Tracker:
     """Returns the action that follows a motion in the present state, at each control step."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest):
-        """Bind to an infant.
-
-        Args:
-            model: The infant and its world.
-            data: Its state, which each call reads.
-            manifest: Manifest of its bundle; it must have motors or muscles.
-
-        Raises:
-            ControlError: If the infant has servos.
-        """
+        """Bind to an infant with motors or muscles, or raise a ControlError; each call reads *data*."""
         self._observed, self._body = data, Body(model, manifest)
         self._late = LateCommands(model, self._body.actuators, timing_of(manifest, {}))
         self._ahead, self._step_s = mujoco.MjData(model), ms_to_s(manifest.step_ms)
@@ -159,11 +145,7 @@ class Tracker:
         self._late.forget()
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
-        """Return the action, shape (nu,).
-
-        Args:
-            wanted: The motion when the command takes effect: of each degree of freedom, `leads_s` from now.
-        """
+        """Return the action, shape (nu,), for the motion when it takes effect: of each speed, `leads_s` from now."""
         model, late, ahead = self._body.model, self._late, self._observed
         if late.last:
             ahead = self._ahead
@@ -183,7 +165,6 @@ class Tracker:
         return action
 
     def _action(self, ahead: mujoco.MjData, wanted: Wanted) -> npt.NDArray[np.float32]:
-        """Return the action for the state in which it acts, shape (nu,)."""
         body = self._body
         body.look(ahead)
         model, data, speeds = body.model, body.data, body.joints.speeds
@@ -235,7 +216,6 @@ class Demand:
     """What a motion demands of a body, frame by frame, along the motion itself and not along what came of it."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        """Bind to an infant with motors or muscles."""
         self._body = body = Body(with_margin(model), manifest)
         self._distal = np.stack([in_subtrees(model, [int(model.jnt_bodyid[joint])]) for joint in body.joints.indices])
         self.shares: list[FloatArray] = []

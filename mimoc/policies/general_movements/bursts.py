@@ -28,15 +28,7 @@ class Bursts:
     """
 
     def __init__(self, xp: Any, put: Put, limb: Any, of_limbs: Any, of_hinges: Any):
-        """Begin with none.
-
-        Args:
-            xp: The array library.
-            put: Moves NumPy's arrays into it.
-            limb: The limb of each hinge, shape (m,).
-            of_limbs: Zeros of shape (k, limbs).
-            of_hinges: Zeros of shape (k, m).
-        """
+        """Begin with none; *limb* is that of each hinge, (m,); of limbs and hinges are zeros, (k, limbs), (k, m)."""
         self._xp, self._limb = xp, limb
         self._slots = put(np.arange(SLOTS, dtype=np.float64)[None, :, None])
         self._next = of_limbs
@@ -45,14 +37,7 @@ class Bursts:
         self._pattern = of_hinges[:, None, :] + 0.0 * self._slots
 
     def advance(self, step_s: float, begins: Any, lengths_s: Any, patterns: Any) -> None:
-        """Let time pass, and bursts begin.
-
-        Args:
-            step_s: The time.
-            begins: In which limbs one begins, shape (k, limbs).
-            lengths_s: How long it would be, shape (k, limbs).
-            patterns: The shares that it would ask for, shape (k, m).
-        """
+        """Let time pass, and bursts of given lengths and patterns of shares, (k, m), begin in limbs, (k, limbs)."""
         xp = self._xp
         is_new = begins[:, None, :] & (xp.abs(self._slots - self._next[:, None, :]) < 0.5)
         self._time_s = xp.where(is_new, 0.0, self._time_s + step_s)

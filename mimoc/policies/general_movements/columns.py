@@ -8,7 +8,6 @@ class Columns:
     """The names of the columns of an array of shape (k, width), in their order."""
 
     def __init__(self, widths: Mapping[str, int]):
-        """Name columns by how many of them there are."""
         self._slices: dict[str, slice] = {}
         self.width = 0
         """Number of all columns."""

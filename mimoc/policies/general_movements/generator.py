@@ -60,16 +60,7 @@ class GeneralMovements:
         xp: Any = NUMPY,
         put: Put = np.asarray,
     ):
-        """Prepare the movement of infants.
-
-        Args:
-            joints: The joints of all of them.
-            laws: The law of each, k.
-            step_s: Time between two steps.
-            styles: How they differ.
-            xp: The array library.
-            put: Moves NumPy's arrays into it.
-        """
+        """Prepare the movement of infants, a law for each; *put* moves NumPy's arrays into *xp*."""
         self._xp, self._put, self._step_s, self._styles = xp, put, step_s, styles
         limbs, hinges = len(LIMBS), len(joints.names)
         by_limb = dict.fromkeys(("activity", "bend", "size", "duration", "direction"), limbs)
@@ -92,11 +83,7 @@ class GeneralMovements:
         """Factor on how often bursts of each limb by itself begin, shape (k, 6) or (1, 6), in the order of `LIMBS`."""
 
     def start(self, normal: Any) -> None:
-        """Draw the style of each infant, and begin in the midst of its movement.
-
-        Args:
-            normal: Standard normal numbers, shape (k, starts).
-        """
+        """Draw styles from standard normal numbers, shape (k, starts), and begin in the midst of movement."""
         self._state = self._starts.split(normal)
         self._state |= {"slowly": self._state["slow"], "slowly_bend": self._state["bend"]}
         zeros = 0.0 * self._state["slow"]
@@ -220,7 +207,6 @@ class GeneralMovements:
         return self._posture + slowly + fidgety + self._bursts.shares(law["rebound"]) + law["goals"] * state["going"]
 
     def _commands(self, shares: Any, arousal: Any) -> Any:
-        """Return the commands that ask for shares, those without a hinge at rest, shape (k, n)."""
         xp, of = self._xp, self._of
         shares = xp.concat([shares, 0.0 * self._state["arousal"]], axis=1)
         commands = of["signs"] * xp.take(shares, self._hinge, axis=1) + of["is_muscle"] * self._tone * arousal

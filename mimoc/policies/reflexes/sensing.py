@@ -88,12 +88,7 @@ class Senses:
     """Reads observations of k infants; bound to their bodies."""
 
     def __init__(self, batch: Batch, touch_numbers: int):
-        """Find what is read.
-
-        Args:
-            batch: The infants.
-            touch_numbers: How many numbers an observation of touch has, 0 without.
-        """
+        """Find what is read; *touch_numbers* is how many numbers an observation of touch has, 0 without."""
         self._batch, infant = batch, batch.infants[0]
         senses = [name for name in ("proprioception", "vestibular", "touch") if name in infant.senses]
         self.names = tuple(senses)
@@ -116,13 +111,7 @@ class Senses:
         self._balance = infant.layout("vestibular") if "vestibular" in senses else ()
 
     def __call__(self, observation: Mapping[str, Any], balance: Mapping[str, Any], chance: Any) -> tuple[Sensed, dict]:
-        """Return what is sensed, and what balance remembers.
-
-        Args:
-            observation: The observation, arrays with a leading axis of k.
-            balance: What it remembered before; see `BALANCE`.
-            chance: Numbers from 0 to 1, shape (k,).
-        """
+        """Return what is sensed, and what balance remembers (`BALANCE`), by chances from 0 to 1, shape (k,)."""
         real, zero = self._batch.real, 0.0 * chance
         joints = real(observation["proprioception"]) if self._angles else None
         angles = {name: joints[:, index] for name, index in self._angles.items()} if joints is not None else {}
@@ -150,7 +139,6 @@ class Senses:
         return sensed, balance
 
     def _head(self, observation: Mapping[str, Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Return specific force and angular velocity of the head."""
         if not self._balance:
             return (zero, zero, zero), (zero, zero, zero)
         felt, vectors = self._batch.real(observation["vestibular"]), []

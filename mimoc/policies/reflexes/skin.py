@@ -46,15 +46,7 @@ class Area:
     """How hard something presses on one area of k infants, in [N]."""
 
     def __init__(self, batch: Batch, side: str, patches: tuple[Patch, ...], width: int, is_sum: bool):
-        """Find the numbers of touch that belong to it.
-
-        Args:
-            batch: The infants.
-            side: `right` or `left`.
-            patches: What it is made of.
-            width: How many numbers a point has.
-            is_sum: Whether the sum of the forces on each body is told, instead of those at all points.
-        """
+        """Find the numbers of touch that belong to it, *width* a point; *is_sum* adds the forces on each body."""
         self._xp, self._width = batch.xp, width
         touches: list[Any] = [infant.senses["touch"] for infant in batch.infants]
         if is_sum:

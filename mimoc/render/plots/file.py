@@ -57,11 +57,7 @@ LOOKS: Mapping[str, dict[str, Any]] = {
 
 
 def require_matplotlib() -> None:
-    """Check that matplotlib is installed.
-
-    Raises:
-        MissingExtraError: If it is not.
-    """
+    """Check that matplotlib is installed; raise a MissingExtraError if it is not."""
     try:
         import_module("matplotlib.figure")
     except ImportError:
@@ -136,7 +132,6 @@ def draw(sheet: Sheet) -> "Figure":
 
 
 def _add_legend(figure: "Figure", handles: Mapping[str, Any]) -> None:
-    """Put a legend above the plots, in as many columns as fit."""
     for columns in range(max(1, min(len(handles), MAX_COLUMNS)), 0, -1):
         legend = figure.legend([*handles.values()], [*handles], loc="upper center", ncols=columns, frameon=False)
         if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
@@ -158,7 +153,6 @@ def _styles_of(plots: Sequence[Plot]) -> dict[str, dict[str, Any]]:
 
 
 def _draw_plot(axes: "Axes", plot: Plot, styles: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Draw a plot; return the handle of each label for a legend."""
     handles: list[Any] = []
     for line in plot.lines:
         style = {**styles.get(line.label, {}), "marker": "", "linewidth": 1.5, **LOOKS.get(line.look, {})}

@@ -181,7 +181,6 @@ class DrivenInfant:
         return angles
 
     def _clipped(self, angles_deg: Mapping[str, float]) -> Iterator[tuple[int, float]]:
-        """Yield index and angle of the hinges that there are."""
         for pattern, angle_deg in angles_deg.items():
             for side in SIDES:
                 if limits := self._limits.get(pattern.format(side=side)):

@@ -28,14 +28,7 @@ class Rehearsal:
     """Finds the commands of a control step by looking ahead to when they act, for each joint over its own delay."""
 
     def __init__(self, infant: DrivenInfant, gains: Servo, actuators: IntArray, timing: Timing):
-        """Prepare a copy of the infant and its world.
-
-        Args:
-            infant: The infant.
-            gains: Stiffness and damping of its joints.
-            actuators: Indices of the m actuators that are commanded; all others keep their controls.
-            timing: The control step, and the delays of commands.
-        """
+        """Prepare a copy of the infant and its world; actuators but the m given ones keep their controls."""
         model = infant.model
         self._model, self._ahead, self._actuators = model, mujoco.MjData(model), actuators
         self._control = Controller(infant, gains, model.opt.timestep)
