@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeVar
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
+from mimoc.bundle.files import SharedFiles, remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
@@ -26,7 +26,6 @@ from mimoc.bundle.regular_files import (
     read_regular_file,
     regular_files,
 )
-from mimoc.bundle.shared_files import SharedFiles
 
 
 @dataclass(frozen=True, eq=False, repr=False)

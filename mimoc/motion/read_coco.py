@@ -14,10 +14,12 @@ from mimoc.motion.frame_files import (
     first_bytes,
     frame_places,
     numbers_of_files,
+    objects,
+    parse,
+    parse_frames,
     read_frame_files,
     read_whole_file,
 )
-from mimoc.motion.json_frames import objects, parse, parse_frames
 from mimoc.motion.keypoint_names import SOURCES, KeypointNames, keypoint_names
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.persons import Frame, Person, identity, person, place_points

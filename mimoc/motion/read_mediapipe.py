@@ -12,8 +12,7 @@ import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
-from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, read_frame_files, read_whole_file
-from mimoc.motion.json_frames import parse, parse_frames
+from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, parse, parse_frames, read_frame_files, read_whole_file
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, points_in, points_of

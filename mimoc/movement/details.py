@@ -9,8 +9,7 @@ import numpy.typing as npt
 from mimoc.base.quantities.movement_details import CENTROID, DETAILS
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import LIMB_POINTS, STILL, correlation, leg_lengths
+from mimoc.movement.measures import LIMB_POINTS, STILL, correlation, kicks_of, leg_lengths
 from mimoc.movement.trunk_frame import TrunkPaths
 from mimoc.runtime.quantities.movement_units import MOVING_TRUNK_S, unit_spans
 

@@ -7,8 +7,7 @@ import numpy as np
 
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import correlation
+from mimoc.movement.measures import correlation, kicks_of
 from mimoc.movement.trunk_frame import stand_ins
 from mimoc.runtime.quantities.movement_units import unit_spans
 

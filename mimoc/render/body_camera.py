@@ -10,7 +10,7 @@ import numpy.typing as npt
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.world import WorldManifest
-from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors, leave_out_walls
+from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors, lean_textures, leave_out_walls
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -28,7 +28,6 @@ from mimoc.render.framing import drawn_spheres
 from mimoc.render.markers import Markers, add_markers
 from mimoc.render.renderer import Picture, Renderer, Setting, Shown, visual_settings
 from mimoc.render.soft_light import DAYLIGHT, MOVING, SHADOWS_FROM, SHADOWS_WITHIN, Exposure, Mean, passes
-from mimoc.render.textures import lean_textures
 
 CROWD_M, CROWD_PX = 1.0, 1024
 """Radius within which other things cast shadows, too, and the side of the map of shadows then, or of those of a lamp in

@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError, UnknownNameError
-from mimoc.interop.import_babybench.regions import REGIONS
+from mimoc.interop.import_babybench.senses import REGIONS
 from mimoc.interop.importing import IMPORTERS, import_config
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import STRENGTH_GROUPS

@@ -3,7 +3,7 @@
 from typing import Any
 
 from mimoc.base.errors import suggestion
-from mimoc.interop.import_babybench.regions import SINGLE_GROUPS, named, read_groups
+from mimoc.interop.import_babybench.senses import SINGLE_GROUPS, named, read_groups
 from mimoc.interop.settings import Settings, plain
 from mimoc.schema.names import single_groups
 

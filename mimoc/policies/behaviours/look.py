@@ -9,8 +9,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.policies.behaviours.noticing import NoticedTarget
-from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.behaviours.targets import NoticedTarget, Target, find_target
 from mimoc.policies.control.frames import VIEW
 from mimoc.policies.control.objectives import turn_towards
 from mimoc.policies.reaction import reaction_of

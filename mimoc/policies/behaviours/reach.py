@@ -10,8 +10,7 @@ from mimoc.base.errors import PolicyError, check_name
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.policies.behaviours.noticing import NoticedTarget
-from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.behaviours.targets import NoticedTarget, Target, find_target
 from mimoc.policies.control.frames import joints_between
 from mimoc.policies.control.holding.driven import SIDES
 from mimoc.policies.reaction import reaction_of

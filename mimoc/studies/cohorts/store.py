@@ -10,10 +10,9 @@ from typing import Any
 
 from mimoc.base.errors import BundleError, MimocError, OutputError
 from mimoc.base.rounding import render_json, rounded
-from mimoc.bundle.files import check_unlinked, make_folder, remove, write_error, write_file
+from mimoc.bundle.files import SharedFiles, check_unlinked, make_folder, remove, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
 from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, parse_json, read_json_file, regular_files
-from mimoc.bundle.shared_files import SharedFiles
 from mimoc.schema.cohort_file import MOST_BYTES, MarkFile, ResultFile
 from mimoc.studies.cohorts.job import Job
 

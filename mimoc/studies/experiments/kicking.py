@@ -10,8 +10,7 @@ from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.movement.filming import RATE_HZ, Filmed
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import leg_lengths
+from mimoc.movement.measures import kicks_of, leg_lengths
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
 from mimoc.movement.trunk_frame import trunk_paths

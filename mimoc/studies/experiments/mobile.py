@@ -13,8 +13,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import correlation, leg_lengths
+from mimoc.movement.measures import correlation, kicks_of, leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.sense import FloatArray

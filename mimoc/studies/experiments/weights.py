@@ -12,8 +12,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import leg_lengths
+from mimoc.movement.measures import kicks_of, leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
