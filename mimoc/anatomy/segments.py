@@ -154,16 +154,11 @@ class Proportions:
 def proportions(
     m: Mapping[str, float], base: Mapping[str, float], mimos: bool = False, foot_height: float = 1.0
 ) -> Proportions:
-    """Return the proportions of a child, or of one of its sides.
+    """Return the proportions of a child, or of one of its sides; raise a GeometryError if measurements do not fit.
 
-    Args:
-        m: Measurements in [m], by AnthroKids name.
-        base: The same before any of them was replaced: the reference for replaced lengths of the leg.
-        mimos: Whether trunk and limbs are those whose volumes strength and masses follow.
-        foot_height: Height of the feet relative to MIMo's; the legs are as much shorter.
-
-    Raises:
-        GeometryError: If a measurement does not fit the others.
+    Measurements are in [m], by AnthroKids name; *base* has them before any was replaced. With *mimos*, trunk and limbs
+    are those whose volumes strength and masses follow; *foot_height* is relative to MIMo's, and the legs are as much
+    shorter.
     """
     head_radius_m = radius_of(m["head_circumference"])
     arm_radius_m, foot = radius_of(m["upper_arm_circumference"]), _foot(m, foot_height)

@@ -119,11 +119,7 @@ def installed_entry_points() -> EntryPoints:
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:
-    """Return the function that a record means: *code* itself, or what has this name in the module.
-
-    Raises:
-        KindError: If somebody else's module cannot be imported, or has no such function.
-    """
+    """Return *code* itself, or what has this name in the module, or raise a KindError if somebody else's lacks it."""
     if not isinstance(code, str):
         return code
     if code.startswith("mimoc."):

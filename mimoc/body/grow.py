@@ -38,16 +38,9 @@ class GrownBody:
 
 
 def grow_body(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
-    """Return the body of a spec's child.
+    """Return the body of a spec's child, compared with a *reference* of the same anatomy and any age.
 
-    Args:
-        spec: The spec.
-        reference: What children of the same anatomy are compared with, at whatever age; by default, it is made.
-
-    Raises:
-        IndividualError: If no child matches the requested individual.
-        GeometryError: If no body has its measurements.
-        ContractureError: If a contracture leaves nothing of a joint's range.
+    Raises an IndividualError, a GeometryError or a ContractureError if no child, body or range of a joint is like that.
     """
     reference = reference_of(spec, reference)
     return grow_child(spec, measure_child(spec, reference), reference)
@@ -62,11 +55,7 @@ def reference_of(spec: InfantSpec, known: Reference | None = None) -> Reference:
 
 
 def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
-    """Return the measurements of a spec's child: those of its age, individualised, and replaced where the spec says so.
-
-    Raises:
-        IndividualError: If no child matches the requested individual.
-    """
+    """Return the measurements of a spec's child, individualised, and replaced as it says, or an IndividualError."""
     return measure_individual(spec, *_measured(spec, reference))
 
 
@@ -108,11 +97,7 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
 
 
 def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:
-    """Return the body of a child, with the strength of its size and age, and *scales* of single parts.
-
-    Raises:
-        GeometryError: If no body has these measurements.
-    """
+    """Return the body of a child of some strength, with *scales* of single parts, or raise a GeometryError."""
     return _grow(child, reference_body(anatomy, child.age_months), scales)[0]
 
 

@@ -72,11 +72,7 @@ class Reference:
 
 
 def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
-    """Return what children of an anatomy and an age are compared with.
-
-    Raises:
-        KindError: If the shape of somebody else's parts says too little.
-    """
+    """Return what children of an anatomy and an age are compared with; KindError if a shape says too little."""
     is_published = anatomy.development == "published"
     average = measure(REFERENCE_AGE_MONTHS, CURVES[anatomy.development]).paper_law
     kinds = [kind for kind in anatomy.kinds if not (is_published and kind.name in FORMULAS)]

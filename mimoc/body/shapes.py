@@ -148,11 +148,7 @@ class Shapes:
 
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
-    """Return the shapes of a child's parts, of which *scales* change single ones in length and girth.
-
-    Raises:
-        GeometryError: If no body has these measurements.
-    """
+    """Return the shapes of a child's parts, single ones by *scales* of length and girth, or raise a GeometryError."""
     anatomy, alike = reference.anatomy, child.symmetric and not scales
 
     def mimos_m3(child: Measurements, scales: Scales, side: str) -> Volumes:

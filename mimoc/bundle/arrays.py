@@ -63,11 +63,7 @@ def pack_arrays(arrays: Mapping[str, Array]) -> bytes:
 
 
 def unpack_arrays(content: bytes) -> dict[str, Array]:
-    """Return the arrays of an archive, read-only views into it; nothing larger than the archive is allocated.
-
-    Raises:
-        BundleError: If it is not an archive that `pack_arrays` writes.
-    """
+    """Return the arrays that `pack_arrays` wrote, read-only views of the archive, or raise a BundleError."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()

@@ -24,11 +24,7 @@ _PREFIX, _SUFFIX = ".mimoc-", ".tmp"
 
 
 def check_page(file: str | Path) -> Path:
-    """Check, before anything takes time, that a page can be written to a file; return its path.
-
-    Raises:
-        OutputError: If its name does not end as that of a page, or its folder does not exist.
-    """
+    """Return the path of a page that can be written to a file, or raise an OutputError before anything takes time."""
     path = Path(file).expanduser()
     if path.suffix.lower() not in PAGES:
         raise OutputError(f"{path}: not the name of a page; end it in {' or '.join(PAGES)}")

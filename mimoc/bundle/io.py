@@ -160,11 +160,7 @@ def read_bundle(path: str | Path) -> Bundle:
 
 
 def read_locked(path: str | Path, parse: Callable[[Mapping[str, bytes], Path], Read]) -> Read:
-    """Return what *parse* makes of the files in a folder that its lock lists, none of which is missing or changed.
-
-    Raises:
-        BundleError: If the folder is not a bundle, or files are missing or changed, or as *parse* does.
-    """
+    """Return what *parse* makes of the files that a folder's lock lists; BundleError if one is missing or changed."""
     folder = Path(os.path.expanduser(path))
     try:
         os.stat(folder)

@@ -53,12 +53,7 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
 
 
 def load_plain_model(bundle: Bundle) -> mujoco.MjModel:
-    """Return the same model with one pixel of the mean colour in place of each texture: most of its memory is these.
-
-    Raises:
-        BundleError: As `load_model` does.
-        ModelError: Likewise.
-    """
+    """Return what `load_model` does, with one pixel of the mean colour for each texture: most of its memory."""
     model = load_model(bundle)
     if not model.ntex:
         return model
@@ -125,11 +120,7 @@ def out_of_memory(error: Exception) -> ModelError:
 
 
 def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Derive all quantities of a state that an episode begins in.
-
-    Raises:
-        ModelError: If there are more contacts than in any scene, so that solving for their forces would take very long.
-    """
+    """Derive all of a state in which an episode begins; ModelError if there are more contacts than in any scene."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_collision(model, data)
@@ -190,11 +181,7 @@ INFANT, SCENE = "infant.xml", "scene.xml"
 
 
 def check_files(bundle: Bundle) -> None:
-    """Check the files that MuJoCo reads of a bundle, see `check_mjcf`, unless it was built here.
-
-    Raises:
-        BundleError: If mimoc does not write such files, or not of this size.
-    """
+    """Raise a BundleError unless mimoc writes such files, or wrote them here; see `check_mjcf`."""
     if bundle.path is not None:
         check_mjcf(bundle.path, bundle.files, (INFANT, SCENE))
 
@@ -222,21 +209,13 @@ def check_mjcf(path: Path, files: Mapping[str, bytes], names: Sequence[str], inf
 
 
 def check_model(bundle: Bundle, model: mujoco.MjModel) -> None:
-    """Check that a model fits the manifest of its bundle, see `check_fits`, unless built here.
-
-    Raises:
-        BundleError: If it does not.
-    """
+    """Raise a BundleError unless a model fits the manifest of its bundle, see `check_fits`, or was built here."""
     if bundle.path is not None:
         check_fits(bundle.path, bundle.manifest, bundle.manifest.timestep_ms, model)
 
 
 def check_fits(path: Path, manifest: Model, timestep_ms: float, model: mujoco.MjModel) -> None:
-    """Check that a model has a time step and all things that a manifest names.
-
-    Raises:
-        BundleError: If it has not; the message says which names, and where they stand.
-    """
+    """Raise a BundleError unless a model has a time step and all that a manifest names: which, and where."""
     if not abs(model.opt.timestep - ms_to_s(timestep_ms)) < 1e-9:
         reason = f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms"
         raise BundleError(f"{path}: {reason}; build it again")

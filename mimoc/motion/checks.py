@@ -82,11 +82,7 @@ trunk may be foreshortened, a hand near the camera looks large, and of a limb th
 
 
 def check_numbers(recording: PointRecording) -> PointRecording:
-    """Return a recording in which points are seen or NaN, with confidence from 0 to 1.
-
-    Raises:
-        UnusableFileError: If labels are there twice, or places in no picture and no room.
-    """
+    """Return a recording of points seen or NaN, with confidence from 0 to 1, or raise an UnusableFileError."""
     twice = sorted(label for label, times in Counter(recording.names).items() if times > 1)
     if twice:
         raise UnusableFileError(f"has {one_line(first_of(twice, 5))} twice; keep one infant, and each point once")
@@ -116,11 +112,7 @@ def in_pixels(recording: PointRecording, picture_px: tuple[int, int] | None) -> 
 
 
 def drop_unsure(recording: PointRecording, least: float) -> PointRecording:
-    """Return a recording without points of less than a confidence, and a note of how many they are.
-
-    Raises:
-        UnusableFileError: If hardly any are left.
-    """
+    """Return a recording without points of less than a confidence; UnusableFileError if few are left."""
     seen = ~_missing(recording)
     unsure = seen & ~(recording.confidence >= least)
     share = float(unsure.sum() / max(seen.sum(), 1))
@@ -163,10 +155,8 @@ def check_rate(rate_hz: float) -> None:
 def check_points(recording: PointRecording, view: View | None, up: Up | None = None) -> PointRecording:
     """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError.
 
-    Args:
-        recording: Its names are mimoc's.
-        view: What was said of what the camera sees; None asks nothing of sides and of how the infant lies.
-        up: Which axis was said to point upwards, if one was.
+    *view* is what was said of what the camera sees, *up* which axis points upwards; None asks nothing of sides and of
+    how the infant lies.
     """
     _check_trunk(recording)
     _check_unit(recording)
@@ -250,13 +240,7 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
 
 
 def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
-    """Raise an UnusableFileError if an infant in space lies otherwise than was said, so that an axis may be wrong.
-
-    Args:
-        recording: Its z axis is taken to point upwards.
-        view: What was said of the infant: `back` if it lies on its belly; otherwise, it lies on its back.
-        up: Which axis of the file was said to point upwards, if one was.
-    """
+    """Raise an UnusableFileError if an infant in space lies otherwise than was said, so that an axis may be wrong."""
     if recording.unit == "px":
         return
     faces = facing(recording) * (-1 if view == "back" else 1)

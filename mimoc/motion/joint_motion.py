@@ -189,11 +189,7 @@ def pack_motion(motion: JointMotion) -> bytes:
 
 
 def read_motion(path: Path) -> JointMotion:
-    """Return the motion in a file, or in the folder of a retargeted recording.
-
-    Raises:
-        MimocError: If there is none, or it is damaged.
-    """
+    """Return the motion in a file, or in the folder of a retargeted recording, or raise a MimocError."""
     file = path / MOTION if path.is_dir() else path
     try:
         content = read_regular_file(file, MOST_BYTES)

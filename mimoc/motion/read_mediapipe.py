@@ -216,11 +216,7 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
 
 
 def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[Any]]:
-    """Return the landmarks of a frame after their numbers; none if nobody was seen.
-
-    Raises:
-        TypeError, ValueError, KeyError, IndexError: If they are no landmarks.
-    """
+    """Return the landmarks of a frame after their numbers; none if nobody was seen; any error if they are none."""
     points = frame
     if isinstance(frame, dict):
         keys = [key for key in frame if "landmark" in key.lower() and not _OTHERS.search(key.lower())]

@@ -83,11 +83,7 @@ def read_points(
 
 
 def read_again(path: Path) -> PointRecording:
-    """Read points that `read_points` has returned and mimoc has written: it is not asked again how the infant lies.
-
-    Raises:
-        RecordingError: If the file cannot be used.
-    """
+    """Read points that mimoc has written, without asking how the infant lies, or raise a RecordingError."""
     return _read_in_words(path, "npz", ReadOptions(view=None, up="z"))
 
 

@@ -162,13 +162,7 @@ def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indi
 
 
 def _steady(people: Detections, neighbours: Indices, items: Indices) -> FloatArray:
-    """Return points in which some detections are replaced by the medians of a few frames of their tracks.
-
-    Args:
-        people: Everybody.
-        neighbours: Index of the detection before or after each in its track, shape (n,); -1 for none.
-        items: Which detections.
-    """
+    """Return points with the medians of a few frames of their tracks for *items*; no neighbour is -1."""
     known = np.append(people.points, np.full((1, *people.points.shape[1:]), np.nan), axis=0)
     neighbours = np.append(neighbours, -1)
     near = [items]
@@ -180,14 +174,10 @@ def _steady(people: Detections, neighbours: Indices, items: Indices) -> FloatArr
 
 
 def _feasible(people: Detections, before: Indices, after: Indices, until: FloatArray, since: FloatArray) -> Links:
-    """Return those of some pairs that may be one person, with their costs.
+    """Return those of some pairs, indices *before* and *after*, that may be one person, with their costs.
 
-    Args:
-        people: Everybody.
-        before: Index of the first of each pair.
-        after: Index of the second.
-        until: Points of the first ones, shape (n, k, 2), with those that were seen shortly before.
-        since: Points of the second ones, with those that are seen shortly after.
+    *until* are the points of the first ones, shape (n, k, 2), with those seen shortly before, *since* of the second
+    ones, with those seen shortly after.
     """
     chunks = [slice(start, start + _CHUNK) for start in range(0, len(before), _CHUNK)] or [slice(0)]
     radii = _radii(people.points)

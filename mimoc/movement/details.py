@@ -57,13 +57,10 @@ def _of_ends(body: TrunkPaths, part: str) -> dict[str, float]:
 
 
 def path_dimension(path: FloatArray) -> float:
-    """Return Higuchi's fractal dimension of a path over time: 1 if it is smooth, 1.5 for a random walk, 2 for noise.
+    """Return Higuchi's fractal dimension of a path, (t, 2), over time: 1 if smooth, 1.5 for a random walk, 2 for noise.
 
     With L(k) the length of the path looked at in steps of k, its mean over the k first points to begin at, it is the
     slope of ln L(k) over ln 1 / k. NaN if nothing moves.
-
-    Args:
-        path: Shape (t, 2).
     """
     lengths = [np.mean([_length(path, first, step) for first in range(step)]) for step in PATH_STEPS]
     if min(lengths) < STILL:

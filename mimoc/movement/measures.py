@@ -24,11 +24,7 @@ LIMB_POINTS = "hand", "elbow", "foot", "knee"
 
 
 def core_measures(recording: PointRecording) -> dict[str, float]:
-    """Return the 21 measures that infants are compared by, in the order of `mimoc.base.quantities.movement.CORE`.
-
-    Raises:
-        MovementError: If points are missing, or it is too slow or too short.
-    """
+    """Return the 21 measures of `CORE`, in order; MovementError if points are missing, or it is slow or short."""
     return core_of(trunk_paths(recording))
 
 

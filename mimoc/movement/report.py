@@ -234,16 +234,10 @@ def compare(
     generator: np.random.Generator,
     progress: Progress = no_progress,
 ) -> MovementMeasures:
-    """Return the measures of some infants beside those of others, and whether the two are told apart.
+    """Return the measures of infants beside a sample's, and whether the two are told apart, or raise a MovementError.
 
-    Args:
-        films: The infants.
-        sample: The aggregates of a sample, those of `real_infants()`; or recordings, for the exact figure.
-        generator: Draws windows from the aggregates.
-        progress: As of `measure_all`.
-
-    Raises:
-        MovementError: If one cannot be measured.
+    The sample is `real_infants()`, or recordings, for the exact figure; the generator draws windows from the
+    aggregates.
     """
     measured, apart = measure_all(films, progress), None
     notes = measured.notes

@@ -17,14 +17,8 @@ OF_NO_SIDE = ("hands_", "feet_", "legs_", "hips_", "limbs_", "kicks_together_", 
 def measure_sides(recording: PointRecording, space: PointRecording | None = None) -> dict[str, dict[str, float]]:
     """Return the measures of each side alone, by `left` and `right` and by the name of their quantity.
 
-    Where a measure is the mean of both sides, or over both, it is that of one here.
-
-    Args:
-        recording: The points, as for `measure_movement`.
-        space: The same in space, if they are known.
-
-    Raises:
-        MovementError: If points are missing or never seen, or it is too slow or too short.
+    Where a measure is the mean of both sides, or over both, it is that of one here. Points are as for
+    `measure_movement`, which raises the same errors, *space* the same in space, if they are known.
     """
     body = trunk_paths(recording)
     return {side: _of_side(body, space or recording, side) for side in SIDES}

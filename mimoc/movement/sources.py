@@ -40,17 +40,10 @@ class SourceOptions:
 
 
 def films_in(path: Path, options: SourceOptions | None = None, progress: Progress = no_progress) -> list[Filmed]:
-    """Return the infants that a path stands for.
+    """Return the infants that a path stands for; MimocError if there is nothing that can be measured.
 
-    Args:
-        path: A recording of points; a recording of mimoc's, whose episodes are simulated again; a folder that
-            `mimoc retarget` wrote; a folder of such; a cohort's folder, with all recordings in it; or, with a policy,
-            a bundle or a spec.
-        options: What else is said of them.
-        progress: Called with the number of control steps done and their total, while something is simulated.
-
-    Raises:
-        MimocError: If there is nothing that can be measured.
+    It is a recording of points; one of mimoc's, whose episodes are simulated again; a folder that `mimoc retarget`
+    wrote; a folder of such; a cohort's folder; or, with a policy, a bundle or a spec.
     """
     options = options or SourceOptions()
     is_infant = _is_infant(path)

@@ -115,10 +115,8 @@ class NetworkPolicy:
 def pack_network(network: Network, about: Mapping[str, Any]) -> bytes:
     """Return the content of a policy file: the same bytes for the same network and description, on every system.
 
-    Args:
-        network: What computes the action, from observations side by side in the order of their sorted names.
-        about: The name of the `infant`, what it `observes` and `commands` (`interface_of`), and the `settings` of its
-            training, of which `steps_per_episode` is read.
+    *about* is the name of the `infant`, what it `observes` and `commands` (`interface_of`), and the `settings` of its
+    training, of which `steps_per_episode` is read.
     """
     content = io.BytesIO()
     description = json.dumps({**about, "policy": OF_NETWORK}, indent=1, sort_keys=True)

@@ -75,25 +75,12 @@ class BodyCamera:
         beside: Sequence[str] = (),
         as_it_is: bool = False,
     ):
-        """Open an OpenGL context for pictures of this size.
+        """Open an OpenGL context for pictures of this size, or raise a RenderingError.
 
-        Args:
-            model: The model.
-            root_bodies: Names of the bodies.
-            width_px: Of a picture.
-            height_px: Of a picture.
-            view: The direction it looks in.
-            fovy_deg: Vertical field of view, where there is space for it.
-            exposure: How many drawings a picture is the mean of.
-            margin: How much wider the field of view is than what it has to show.
-            shown: What is drawn of infants.
-            cut_out: Whether pictures show nothing else, on a transparent background; changes the model.
-            beside: Names of other outermost bodies, that are to be in the picture as well.
-            as_it_is: Whether nothing gets another material later, as a face does with another expression; to open
-                takes a third of the time then.
-
-        Raises:
-            RenderingError: If there is no OpenGL here, or none that draws such large pictures.
+        A picture is the mean of *exposure* drawings; the field of view is wider than what it shows by *margin*.
+        *cut_out* shows nothing else, on a transparent background, and changes the model. *beside* are other outermost
+        bodies in the picture. *as_it_is* says that nothing gets another material later, as a face does with another
+        expression: to open takes a third of the time then.
         """
         self._model, self.view, self._fovy_deg, self._margin = model, view, fovy_deg, margin
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])

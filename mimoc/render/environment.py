@@ -85,11 +85,7 @@ class EnvRenderer:
             self._window.show()
 
     def render(self) -> Picture | None:
-        """Return a picture of the state, shape (height, width, 3), in the mode `rgb_array`; else None.
-
-        Raises:
-            RenderingError: If there is no OpenGL here.
-        """
+        """Return a picture of the state, (height, width, 3), in `rgb_array`, else None, or raise a RenderingError."""
         if self._mode != "rgb_array":
             return None
         if self._camera is None:

@@ -163,11 +163,7 @@ def set_fog(start_m: float, end_m: float) -> None:
 
 
 def opengl_driver() -> str:
-    """Return what pictures are drawn with here: `egl, llvmpipe (LLVM 15.0.6, 256 bits)`, say.
-
-    Raises:
-        RenderingError: If OpenGL does not start.
-    """
+    """Return what draws here, `egl, llvmpipe (LLVM 15.0.6, 256 bits)`, say, or raise a RenderingError."""
     context = open_context(8, 8)
     try:
         with current(context):

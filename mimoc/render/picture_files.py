@@ -31,11 +31,7 @@ OPAQUE = {".jpg", ".jpeg", ".bmp"}
 
 
 def check_picture_name(path: str | Path, *, transparent: bool = False) -> None:
-    """Pass the name of a file that a picture can be written to, before anything is drawn.
-
-    Raises:
-        OutputError: If it ends in no format that is known, or in one that cannot be transparent.
-    """
+    """Pass the name of a file that a picture can be written to, transparent or not, or raise an OutputError."""
     suffix = Path(path).suffix.lower()
     if transparent and suffix in OPAQUE:
         fitting = ", ".join(ending for ending in FORMATS if ending not in OPAQUE)

@@ -63,18 +63,8 @@ def portrait(
 ) -> Picture:
     """Return a picture of an infant in a pose, shape (height, width, 3), or (height, width, 4) if transparent.
 
-    Args:
-        bundle: The infant.
-        pose: A keyframe; else the bundle's own.
-        width: In pixels.
-        height: In pixels.
-        markers: What is drawn on top of it, such as the points of its skin.
-        shown: Whether it is drawn with its skin, or its solids.
-        framing: The camera, a transparent background and a scale bar.
-
-    Raises:
-        UnknownNameError: If the bundle has no such pose.
-        RenderingError: If there is no OpenGL here.
+    The pose is a keyframe, by default the bundle's own; markers are drawn on top of it, such as the points of its skin.
+    Raises an UnknownNameError for an unknown pose, a RenderingError without OpenGL.
     """
     (picture,) = portraits(bundle, [pose], width, height, markers, shown, framing)
     return picture
@@ -161,20 +151,8 @@ def lineup(
 ) -> Picture:
     """Return a picture of several infants in a row, to scale, shape (height, width, 3), or (..., 4) if transparent.
 
-    They face the same way on a plain floor, whatever their scenes are.
-
-    Args:
-        bundles: The infants, from the left.
-        pose: A keyframe of all; else of each bundle its own.
-        width: In pixels.
-        height: In pixels.
-        markers: What is drawn on top of each, where it would be if the infant were alone.
-        shown: Whether they are drawn with their skins, or their solids.
-        framing: The camera, a transparent background and a scale bar.
-
-    Raises:
-        UnknownNameError: If a bundle has no such pose.
-        RenderingError: If there is no OpenGL here.
+    They face the same way on a plain floor, whatever their scenes are, from the left; markers are drawn where they
+    would be if each were alone. Raises what `portrait` does.
     """
     model, data, roots, moves = row_of(bundles, pose)
     drawn = None

@@ -60,11 +60,7 @@ def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
 
 
 def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
-    """Return the body of an infant at some ages; arrays that change with age have it as their first axis.
-
-    Raises:
-        MimocError: If it has other parts at some age.
-    """
+    """Return an infant's body at some ages, the first axis of arrays that change; MimocError if its parts change."""
     parts = [own_parts(variant.model, variant.bundle.manifest) for variant in variants]
     counts = {tuple(len(getattr(infant, name)) for name in Own.__slots__) for infant in parts}
     if len(counts) > 1:

@@ -293,12 +293,8 @@ def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide
 def finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float, tip: float = 0.45) -> BodyGeometry:
     """Return three phalanges, the first twice as long, from joint to joint, as each of the others.
 
-    Args:
-        name: Of the finger.
-        root: Place of its first joint, in the frame of the part that it is on, in [m].
-        radius_m: Of the first phalanx.
-        half_m: Half of its length.
-        tip: By how much of that radius the last one's straight part is shorter than the second's.
+    The first joint is at *root* in the part's frame, the first phalanx has half the length *half_m*; *tip* is by how
+    much of its radius the last one's straight part is shorter than the second's.
     """
     tip_m = half_m / 2 - tip * radius_m
     return BodyGeometry(

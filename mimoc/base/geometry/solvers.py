@@ -27,15 +27,10 @@ def root(
 def narrowed(
     function: Callable[[FloatArray], FloatArray], lows: FloatArray, highs: FloatArray, width: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return narrower brackets of where each of n functions is least, each with one minimum within its bracket.
+    """Return brackets of where each of n functions is least, at most *width* wide, each with one minimum in it.
 
-    Every infant is built with it, and SciPy's solvers take longer to import than that.
-
-    Args:
-        function: From m numbers for each function, shape (n, m), to their values.
-        lows: The lower ends of the brackets, shape (n,).
-        highs: The upper ends.
-        width: How wide a bracket may be in the end.
+    The function takes m numbers for each, shape (n, m). Every infant is built with it, and SciPy's solvers take longer
+    to import than that.
     """
     rows, last = np.arange(len(lows)), len(SHARES) - 1
     while (wide := highs - lows > width).any():

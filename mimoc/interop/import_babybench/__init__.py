@@ -65,16 +65,10 @@ SECTIONS: dict[str, Callable[[Settings], dict[str, Any]]] = {
 
 
 def import_babybench(path: str | Path) -> Imported:
-    """Convert a BabyBench configuration into a spec.
+    """Convert a BabyBench configuration, a flat YAML file, into a spec; raise a SpecError with all problems.
 
     Missing keys have the defaults of BabyBench's examples: all regions are actuated and have skin, nothing is locked,
     and all senses except proprioception are off.
-
-    Args:
-        path: Path of a flat YAML file.
-
-    Raises:
-        SpecError: If the file cannot be read or has invalid values; the error lists all problems.
     """
     source = read(path, CONFIGURATION)
     settings = Settings(source)

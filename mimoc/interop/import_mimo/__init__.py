@@ -35,14 +35,9 @@ HEADING = "<!-- The scene that `mimoc import mimo` read, with the infant of a bu
 
 
 def import_mimo(path: str | Path) -> Imported:
-    """Convert a scene with MIMo in it into a spec, and a scene in which the infant of the spec takes MIMo's place.
+    """Convert a scene with MIMo, in MJCF, into a spec, and a scene in which the infant of the spec takes MIMo's place.
 
-    Args:
-        path: Path of the scene, in MJCF: the file that MuJoCo opens, with or without includes.
-
-    Raises:
-        SpecError: If a file is missing or cannot be read, or if MuJoCo or mimoc cannot use it; the error lists all
-            problems of a kind.
+    Raises a SpecError with all problems of a kind if a file cannot be read, or MuJoCo or mimoc cannot use it.
     """
     path = Path(path)
     tree = read_scene(path)

@@ -48,11 +48,7 @@ class AssetFiles:
         self.sources: set[Path] = set()
 
     def moved(self, tree: Element, place: str = "") -> Element:
-        """Return elements whose files are in the folder *place*, and read these files.
-
-        Raises:
-            SpecError: If one is missing or cannot be read; the error lists all.
-        """
+        """Return elements whose files are in the folder *place*, and read these; a SpecError lists all missing ones."""
         problems: list[Problem] = []
         result = self._moved(tree, place, problems)
         if problems:

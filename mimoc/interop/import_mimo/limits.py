@@ -37,11 +37,7 @@ REFUSED: Mapping[str, str] = {
 
 
 def check_limits(scene: Element) -> None:
-    """Check that a scene is no larger than those of bundles, and its numbers are finite and sensible.
-
-    Raises:
-        SpecError: If it is larger, or they are not; the error lists all problems.
-    """
+    """Raise a SpecError with all problems unless a scene is small enough and its numbers are sensible."""
     problems = [problem for element in scene.walk() for problem in _problems_of(element)]
     if not problems:
         counts = Counter[str]()

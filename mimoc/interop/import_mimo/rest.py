@@ -35,15 +35,7 @@ class Rest:
 
 
 def rest_of(infant: Infant, model: mujoco.MjModel, mjcf: bytes, mimocs: mujoco.MjModel, names: Names) -> Rest:
-    """Return what is left of a scene without its infant.
-
-    Args:
-        infant: The infant of the scene.
-        model: The compiled scene.
-        mjcf: The infant of the spec, whose options the scene takes.
-        mimocs: The same, compiled.
-        names: The names in it.
-    """
+    """Return what is left of a scene without its infant, with the options of mimoc's infant."""
     notes = list(_strangers(infant, names))
     option, size = _options(mjcf)
     drop = {"option": option.attributes, "flag": option.children[0].attributes, "size": size.attributes}

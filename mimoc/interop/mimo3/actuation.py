@@ -114,11 +114,7 @@ MODELS = {kind.__name__: kind for kind in (SpringDamperModel, MuscleModel, Posit
 
 
 def model_named(actuation_model: Any) -> type[ActuationModel] | None:
-    """Return the model that a class, such as MIMo3's own, or a name stands for; None for None.
-
-    Raises:
-        MimocError: If it is another one.
-    """
+    """Return the model that a class, such as MIMo3's, or a name stands for, None for None, or raise a MimocError."""
     if actuation_model is None:
         return None
     name = actuation_model if isinstance(actuation_model, str) else getattr(actuation_model, "__name__", "")

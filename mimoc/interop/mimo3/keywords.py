@@ -42,11 +42,7 @@ class Keywords:
 
 
 def spec_of(keywords: Keywords) -> InfantSpec:
-    """Return the spec that some keywords ask for.
-
-    Raises:
-        MimocError: If a keyword has no counterpart, or there is no such infant.
-    """
+    """Return the spec that keywords ask for; MimocError if one has no counterpart, or there is no such infant."""
     spec = _scene(keywords.model_path)
     if keywords.age is not None:
         spec = spec.with_(age_months=float(keywords.age))

@@ -20,11 +20,7 @@ COMPONENTS = {"actuation": "actuation", "limits": "limits", "qpos": "angle", "qv
 
 
 def _entry(env: Any, sense: str, keyword: str, params: Any) -> Any:
-    """Return what the infant's manifest says of a sense, which was built by the parameters of its environment.
-
-    Raises:
-        MimocError: If it has no such sense, or one by other parameters.
-    """
+    """Return what the manifest says of a sense, or raise a MimocError, also if other parameters built it."""
     entry = getattr(env.infant.manifest.senses, sense)
     if entry is None or (params is not None and params != getattr(env, keyword)):
         raise MimocError(f"{sense} is built with the infant; give these parameters to its environment as {keyword}")

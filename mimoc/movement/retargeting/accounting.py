@@ -32,17 +32,7 @@ def account_of(
     seconds: float,
     notes: tuple[str, ...],
 ) -> Account:
-    """Return the account of a fit.
-
-    Args:
-        setting: What was fitted.
-        problem: The last problem.
-        state: Its solution.
-        sure: How sure it is.
-        fitted: Where the points of the model are, as the recording has them, shape (t, k, 2) or (t, k, 3).
-        seconds: Processor time.
-        notes: What was assumed.
-    """
+    """Return the account of a fit, by its last problem and solution, with *fitted* points as the recording has them."""
     recording, hinges = setting.recording, setting.hinges
     seen = (problem.observed.weight > 0) & np.isfinite(fitted).all(-1)
     distance = np.linalg.norm(fitted - problem.observed.places, axis=-1)

@@ -101,11 +101,7 @@ def write_retargeted(
 
 
 def altered(retargeted: Retargeted, senses: Sequence[str] | None, actuation: str | None) -> Retargeted:
-    """Return the same motion of a child with other senses, by name, or another actuation model; None leaves them.
-
-    Raises:
-        SpecError: If there is no such sense or actuation model.
-    """
+    """Return a motion's child with other senses or actuation model, None for the same, or raise a SpecError."""
     changes: dict[str, Any] = {}
     if senses is not None:
         changes["senses"] = {name: {} for name in senses} | {
@@ -120,11 +116,7 @@ def altered(retargeted: Retargeted, senses: Sequence[str] | None, actuation: str
 
 
 def check_writable(out: str | Path, force: bool) -> Path:
-    """Check that a retargeted recording can be written to a folder; return its path.
-
-    Raises:
-        OutputError: If it holds anything that is not to be replaced, or cannot be written.
-    """
+    """Return the path of a folder for a retargeted recording, or raise an OutputError if it holds anything to keep."""
     target = Path(out).expanduser()
     check_place(target)
     if not os.path.lexists(target):

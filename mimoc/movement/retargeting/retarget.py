@@ -158,11 +158,7 @@ def _stated(spec: InfantSpec | None) -> str | None:
 
 
 def _check_pose(setting: Setting, pose: str | None) -> None:
-    """Check that an infant lies as it is said to; of pixels alone, readers have asked whether it is seen from behind.
-
-    Raises:
-        RecordingError: If it lies the other way round in nearly all frames.
-    """
+    """Raise a RecordingError if an infant lies otherwise than it is said to; of pixels alone, readers have asked."""
     recording, start = setting.recording, setting.start
     in_space = recording.unit == "m" or recording.depth_m is not None
     pose = pose or ("supine" if in_space else None)

@@ -157,17 +157,7 @@ class Setting:
 def setting_of(
     recording: PointRecording, child: Child, height_m: float | None, pitch_deg: float | None = None
 ) -> Setting:
-    """Return what a fit is of.
-
-    Args:
-        recording: The recording.
-        child: The child that the fit starts from.
-        height_m: Height of the camera above the floor, if it is known.
-        pitch_deg: Angle by which the camera looks down, below the horizon, if it is known.
-
-    Raises:
-        RecordingError: If the camera cannot look down by this angle.
-    """
+    """Return what a fit is of; a known *pitch_deg* is below the horizon, a RecordingError if impossible."""
     model = child.model
     seen = np.isfinite(recording.positions).all(-1) & (recording.confidence > 0)
     on_body = body_points(model, recording.names)

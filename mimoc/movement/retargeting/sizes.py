@@ -73,11 +73,7 @@ class Child:
 
 
 def compile_child(spec: InfantSpec) -> Child:
-    """Return the child of a spec; its size is that of the spec.
-
-    Raises:
-        SpecError: If there is no such child.
-    """
+    """Return the child of a spec, of the spec's size, or raise a SpecError."""
     bundle = build(spec)
     return Child(spec, bundle, load_model(bundle))
 
@@ -163,16 +159,9 @@ def lengths_of(model: mujoco.MjModel) -> dict[str, float]:
 
 
 def matched(spec: InfantSpec, wanted: Mapping[str, float], length_cm: float | None, rounds: int = 3) -> Child:
-    """Return the child whose compiled lengths are the given ones, to .1 %.
+    """Return the child whose compiled lengths [m] are the given ones, to .1 %, in so many rounds, or raise a SpecError.
 
-    Args:
-        spec: The child that the fit started from.
-        wanted: Lengths in [m], by size.
-        length_cm: Length of the child, if it is known; parts then only say how it differs from a child of that length.
-        rounds: How often a child is compiled at most.
-
-    Raises:
-        SpecError: If there is no such child.
+    With a *length_cm* of the child, parts only say how it differs from a child of that length.
     """
     child = compile_child(resized(spec, {}, length_cm) if length_cm else spec)
     for _ in range(rounds):

@@ -69,15 +69,7 @@ class Skeleton:
     def __init__(
         self, model: mujoco.MjModel, points: Sequence[BodyPoint], hinges: Hinges, rest: FloatArray, turned: FloatArray
     ):
-        """Prepare the chains of bodies.
-
-        Args:
-            model: The infant.
-            points: Points whose places are wanted.
-            hinges: What is fitted; other hinges keep the angles of *rest*.
-            rest: Configuration, shape (nq,).
-            turned: The rotation matrix R, shape (3, 3).
-        """
+        """Prepare the chains to some points; unfitted hinges keep *rest*, (nq,); *turned* is R, shape (3, 3)."""
         self.hinges, self.rest, self.turned = hinges, rest.copy(), turned
         self.point_bodies = np.array([point.body for point in points], dtype=np.intp)
         self._model, self._root = model, int(model.jnt_bodyid[0])

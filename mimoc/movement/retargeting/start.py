@@ -36,15 +36,11 @@ def start_of(
     height_m: float | None,
     turn: FloatArray,
 ) -> Start:
-    """Return where to start.
+    """Return where to start, from a recording without gaps.
 
-    Args:
-        recording: The recording, without gaps.
-        resting_m: Neck, left and right hip of the infant that lies on its back on the floor, shape (3, 3).
-        root_m: Its root, shape (3,).
-        turned: Orientation of its root, shape (3, 3).
-        height_m: Height of the camera; if it is not known, of two dimensions it follows from the trunk's length.
-        turn: `camera_from_world`, shape (3, 3).
+    *resting_m* are neck, left and right hip of the infant on its back on the floor, shape (3, 3), with its root at
+    *root_m*, of the orientation *turned*; *turn* is `camera_from_world`. A height of the camera that is not known
+    follows, in two dimensions, from the trunk's length.
     """
     if recording.unit == "px" and recording.depth_m is None:
         return _of_pixels(recording, resting_m, root_m, turned, height_m, turn)
