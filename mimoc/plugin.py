@@ -11,12 +11,12 @@ from mimoc.base.lazy import names_of
 if TYPE_CHECKING:
     from mimoc.anatomy.dimensions import BodyGeometry as BodyGeometry, GeomShape as GeomShape
     from mimoc.anatomy.part import (
+        PartKind as PartKind,
         ReferenceGeom as ReferenceGeom,
         ReferenceJoint as ReferenceJoint,
         ReferenceMotor as ReferenceMotor,
         ReferencePart as ReferencePart,
     )
-    from mimoc.anatomy.part_kind import PartKind as PartKind
     from mimoc.base.quantities import Quantity as Quantity
     from mimoc.bundle.regular_files import UnusableFileError as UnusableFileError
     from mimoc.compiler.mjcf.furniture import (

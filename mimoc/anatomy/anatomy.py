@@ -3,8 +3,7 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mimoc.anatomy.part import Development, ReferenceGeom, ReferenceMotor, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import Development, PartKind, ReferenceGeom, ReferenceMotor, ReferencePart
 from mimoc.anatomy.parts import ARM, EYES, FLAT_FEET, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.anatomy.parts.trunk import CHEST_JOINTS, CHEST_MOTORS, FOLDING, MIMOS_PAIRS
 from mimoc.anatomy.published_figures import published_part

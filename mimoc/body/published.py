@@ -11,7 +11,7 @@ from operator import or_
 from types import MappingProxyType
 
 from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import PartKind
 from mimoc.anatomy.parts.five_finger import FINGERS, finger_dimensions
 from mimoc.anatomy.published_figures import SIZES_M
 from mimoc.anatomy.sections import CLEARANCE_M

@@ -18,8 +18,7 @@ from operator import or_
 
 from mimoc.anatomy.anatomy import Anatomy
 from mimoc.anatomy.dimensions import BodyGeometry
-from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development, PartKind
 from mimoc.anatomy.parts.checking import check_dimensions
 from mimoc.anatomy.segments import Proportions, proportions
 from mimoc.base.geometry.primitives import volume

@@ -8,9 +8,8 @@ import numpy as np
 from mimoc.base.errors import PolicyError
 from mimoc.base.kinds import function_of
 from mimoc.policies.batch import Batch, batch_of
-from mimoc.policies.named import Loader, Policies, policies_of, policy_of, summed
+from mimoc.policies.named import Loader, Policies, limits_of, policies_of, policy_of, summed, with_silence
 from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
-from mimoc.policies.silent import limits_of, with_silence
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infants import infants_of

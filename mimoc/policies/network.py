@@ -14,9 +14,17 @@ import numpy.typing as npt
 
 from mimoc.base.errors import PolicyError
 from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays
-from mimoc.policies.interface import check_fits, interface_of
 from mimoc.policies.policy import Policy, PolicyMaker
-from mimoc.policies.policy_file import ABOUT, DAMAGED, NOT_A_POLICY, OF_NETWORK, WEIGHTS, PolicyFile
+from mimoc.policies.policy_file import (
+    ABOUT,
+    DAMAGED,
+    NOT_A_POLICY,
+    OF_NETWORK,
+    WEIGHTS,
+    PolicyFile,
+    check_fits,
+    interface_of,
+)
 from mimoc.runtime.infant import Infant
 
 FloatArray = npt.NDArray[np.float32]

@@ -1,6 +1,6 @@
 """The parts that bodies are assembled from: MIMo's, and others' by the entry points `mimoc.parts`."""
 
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import PartKind
 from mimoc.anatomy.parts import arm, feet, five_finger, head, leg, mitten, trunk
 from mimoc.base.kinds import Kinds
 

@@ -4,8 +4,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from mimoc.anatomy.dimensions import BodyGeometry
-from mimoc.anatomy.part import MATURING_GROUPS, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import MATURING_GROUPS, PartKind, ReferencePart
 from mimoc.anatomy.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.base.errors import KindError, suggestion
 

@@ -10,12 +10,12 @@ from mimoc.anatomy.part import (
     ALONG_Y,
     LEG_LENGTH,
     LEG_SHARE,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.leg import ANKLE_JOINTS, ANKLE_MOTORS
 from mimoc.anatomy.sections import CLEARANCE_M
 from mimoc.anatomy.segments import REFERENCE_M, Foot, Proportions

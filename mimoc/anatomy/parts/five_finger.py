@@ -13,12 +13,12 @@ from mimoc.anatomy.part import (
     UPRIGHT,
     WRIST,
     GeomType,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.anatomy.parts.mitten import check_hand
 from mimoc.anatomy.sections import CLEARANCE_M

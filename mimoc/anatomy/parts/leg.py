@@ -6,12 +6,12 @@ from mimoc.anatomy.part import (
     LEG_SHARE,
     THIGH_LENGTH,
     TRUNK_HEIGHT,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.trunk import PELVIS_X_M, PELVIS_Z_M, REFERENCE_PELVIS_RADIUS_M
 from mimoc.anatomy.segments import Proportions
 from mimoc.base.errors import GeometryError

@@ -6,12 +6,12 @@ from mimoc.anatomy.part import (
     AXIAL_RULE,
     SHOULDERS,
     TRUNK_HEIGHT,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.head import REFERENCE_HEAD_RADIUS_M
 from mimoc.anatomy.sections import GIRDLE_BACK, Section, Trunk
 from mimoc.anatomy.segments import Proportions

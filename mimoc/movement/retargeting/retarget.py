@@ -12,10 +12,9 @@ from mimoc.base.classes import takes
 from mimoc.base.errors import RecordingError, check_name
 from mimoc.motion.point_recording import PointRecording
 from mimoc.movement.retargeting.accounting import account_of
-from mimoc.movement.retargeting.fitting import Problem, State
+from mimoc.movement.retargeting.fitting import Problem, Run, State
 from mimoc.movement.retargeting.observations import OUTLIER
 from mimoc.movement.retargeting.result import Retargeted
-from mimoc.movement.retargeting.running import Run
 from mimoc.movement.retargeting.setting import (
     Noise,
     Setting,
