@@ -43,13 +43,11 @@ class Anatomy:
     """A reference body: everything that does not depend on age."""
 
     hands: str
-    """Kind of its hands."""
     extra: tuple[str, ...]
     """Kinds of parts that it has besides MIMo's."""
     development: Development
     """The law of strength, joints and proportions."""
     kinds: tuple[PartKind, ...]
-    """All that it is assembled from."""
     feet: PartKind
     parts: Sided
     """Side (empty for the midline) and part, parents first, in MIMo's order, by that law."""

@@ -73,7 +73,6 @@ class ReferenceGeom:
     grips: bool = False
     """Whether its contacts are those of a hand that holds on (`mimoc.anatomy.anatomy.GRIP`)."""
     slippery: bool = False
-    """Whether nothing rubs on it."""
     mass_at_m: tuple[float, ...] = ()
     """The size at which it has this mass, where that is not its size in the average child of 18 months."""
 
@@ -151,7 +150,6 @@ class PartKind:
     name: str
     """Name in the spec's `body.extra`, or value of its `body.hands`."""
     about: str
-    """One sentence for help."""
     parts: "tuple[ReferencePart, ...]"
     """Their joints, geoms and motors at 18 months, parents first; a name with `{side}` is on both sides."""
     shape: Code

@@ -55,7 +55,6 @@ class Reference:
     densities_kg_m3: Mapping[str, float]
     """Likewise; 0 for geoms without mass."""
     length_m: float
-    """Standing height at 18 months."""
     age_months: float
     head_gain: float = 1.0
     """Mass of head and neck of the average child of that age by the law `maturing`, relative to the published law."""

@@ -55,7 +55,6 @@ class StrengthCurve:
     """The relative strength of a group of muscles by age: r = 1 - (1 - newborn) decay(age)."""
 
     newborn: float
-    """At birth."""
     decay: Decay
     source: str
 

@@ -35,7 +35,6 @@ class LazyFiles(Mapping[str, bytes]):
     arrays: Mapping[str, Array]
     """What the file of the large arrays holds, read-only, rounded as it is in the file."""
     make: Callable[[], Mapping[str, bytes]]
-    """Returns all files."""
 
     def __getitem__(self, path: str) -> bytes:
         return self._all[path]

@@ -18,7 +18,6 @@ MOST_BYTES_IN_ALL = 2**27
 """Of all files of a bundle, of which infants with the densest skin have a tenth."""
 MOST_FILES = 4096
 MOST_NESTED = 8
-"""Folders within each other."""
 
 _TOP = PurePosixPath(".")
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -168,7 +167,6 @@ def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> Binar
 MOST_JSON_BYTES = 2**22
 """Of a file, unless its reader knows better; 4 MB."""
 _SHOWN = 3
-"""Most problems that an error lists."""
 
 Data = TypeVar("Data", bound=Model)
 

@@ -152,7 +152,6 @@ class Imported:
     """A spec, with notes on the settings that it does not represent exactly."""
 
     system: str
-    """Name of the other system."""
     file: str
     """File name of the configuration, as shown in messages."""
     spec: dict[str, Any]

@@ -21,7 +21,6 @@ class BodyPoint:
     """A point that is fixed to a body."""
 
     body: int
-    """Index of the body."""
     offset_m: FloatArray
     """In the body's frame, shape (3,)."""
 

@@ -24,7 +24,6 @@ from mimoc.motion.sides import (
 from mimoc.motion.wild import drop_wild
 
 RATES_HZ = 1.0, 1000.0
-"""Of cameras and motion capture."""
 NEEDED = "neck", "left_hip", "right_hip"
 """The trunk, in whose lengths all else is measured."""
 TRUNK_M = 0.08, 0.6

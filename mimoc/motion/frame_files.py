@@ -26,11 +26,8 @@ from mimoc.bundle.regular_files import (
 MOST_FRAMES = 2**18
 """Of a recording: 2.4 hours at 30 frames a second."""
 MOST_FRAME_BYTES = 2**20
-"""Of the file of a frame."""
 MOST_FILE_BYTES = 2**27
-"""Of a file with all frames."""
 _MOST_BYTES = 2**29
-"""Of all files of a folder."""
 _FIRST_BYTES = 2**16
 _MOST_DIGITS = 19
 """Of the number of a frame: nanoseconds since 1970."""

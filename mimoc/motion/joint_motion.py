@@ -77,14 +77,12 @@ class JointMotion:
     """
 
     rate_hz: float
-    """Frames per second."""
     joints: tuple[str, ...]
     """Names of the joints: free joints and hinges."""
     qpos: FloatArray
     """Their configurations, one after another, shape (t, nq): 7 numbers of a free joint [m, quaternion], one of a hinge
     [rad]."""
     free: tuple[str, ...] = ()
-    """Which of the joints are free."""
 
     @property
     def seconds(self) -> float:

@@ -26,7 +26,6 @@ _SELDOM = 0.1
 _LARGEST = 2**63
 """More than any number of a person."""
 _SHOWN = 6
-"""Identities in a note."""
 
 
 class Person(NamedTuple):

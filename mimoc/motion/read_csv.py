@@ -39,7 +39,6 @@ MIN_SCORES = {"likelihood": 0.6, "visibility": 0.5}
 """Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (from which on its `drawing_utils` draw), by
 what they call confidence."""
 _HEADERS = 4
-"""Rows that may name columns."""
 
 Cells = Sequence[Sequence[str]]
 

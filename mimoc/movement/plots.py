@@ -15,7 +15,6 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 COLUMNS, PANEL_PX = 7, (390, 300)
 PHASE_PX = 420, 400
 MOST_PHASES = 12
-"""Infants with a phase plot each."""
 INFANT = Quantity("infant", "Infant", about="Which of the infants that were measured", steps=())
 HIP = Quantity("hip_deg", "Angle of the hip", "°", "between trunk and thigh; 180 if straight", steps=())
 KNEE = Quantity("knee_deg", "Angle of the knee", "°", "between thigh and shank; 180 if straight", steps=())

@@ -24,7 +24,6 @@ from mimoc.movement.trunk_frame import LEAST_S, stand_ins, trunk_paths
 SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
 """Speeds that tell whether sides differ, and from which ratio on they do; a choice."""
 DIGITS = 6
-"""Significant digits of numbers in files."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,6 @@ class MovementMeasures:
     """The measures of some infants, and of the sample that they are compared with."""
 
     names: tuple[str, ...]
-    """What each infant is called."""
     infants: tuple[Mapping[str, float], ...]
     """Measures of each, by the name of the quantity."""
     sample: Sample | None = None

@@ -24,7 +24,6 @@ RECORDING, COHORT = "recording.json", "cohort.json"
 BUNDLE = "manifest.json"
 SPECS = ".yaml", ".yml"
 MOST = 1000
-"""Files in one folder."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,6 @@ class TrunkPaths:
     """
 
     rate_hz: float
-    """Frames per second."""
     paths: Mapping[str, FloatArray]
     """Across and along, shape (t, 2) each, [trunk], by the name of the point."""
     velocities: Mapping[str, FloatArray]

@@ -12,7 +12,6 @@ from mimoc.render.renderer import Setting
 from mimoc.render.soft_light import Colour
 
 BACKGROUND: Colour = (0.937, 0.928, 0.914)
-"""Of what is far away (D)."""
 FLOOR: tuple[Colour, Colour] = (1.0, 0.992, 0.976), (0.984, 0.976, 0.96)
 """Of the fields of the floor, before light falls on it: two that hardly differ (D)."""
 FADES_WITHIN = 1.6

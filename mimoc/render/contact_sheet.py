@@ -11,7 +11,6 @@ from mimoc.render.portrait import Framing, portraits
 from mimoc.render.renderer import Picture, Shown
 
 ALL = "all"
-"""What stands for all poses."""
 LARGEST = 400
 """How many pictures a sheet may have."""
 

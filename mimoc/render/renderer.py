@@ -54,7 +54,6 @@ class Renderer:
     """
 
     scene: mujoco.MjvScene
-    """What is drawn; filled by `compose`."""
     context: mujoco.MjrContext
 
     def __init__(

@@ -218,7 +218,6 @@ def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list["_Light"]]:
 
 
 _Light = dict[str, Any]
-"""The fields of an `MjvLight`."""
 
 
 def _add_light(scene: mujoco.MjvScene, values: _Light, share: float = 1.0) -> None:

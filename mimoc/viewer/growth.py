@@ -36,7 +36,6 @@ class Own:
     bodies: IntArray
     geoms: IntArray
     joints: IntArray
-    """The hinges."""
     cameras: IntArray
     qpos: IntArray
     """Of the root: three numbers of its place, four of its orientation; then of each hinge."""

@@ -145,7 +145,6 @@ def with_posture(
 At = Callable[[float, bool], Variant]
 """Builds an infant at an age in months, dressed or not."""
 Range = tuple[float, float]
-"""Least and greatest age, in months."""
 
 
 def _grown(spec: InfantSpec, progress: Progress) -> tuple[At, list[Variant], Range]:

@@ -28,7 +28,6 @@ if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
 
 HEIGHT_PX = 620
-"""Of a page in a notebook."""
 
 
 class View:

@@ -65,7 +65,6 @@ TOES = ReferencePart(
     torque_site="torque_{side}_toes",
     runs_along_x=True,
 )
-"""All toes."""
 
 
 def _half_of_toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) -> ReferencePart:

@@ -24,7 +24,6 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 SOUND_M_S = 343.0
-"""Speed of sound, c."""
 RADIUS_OF_ADULTS_M = 0.0875
 """Radius of the sphere whose interaural times are those of adults (Woodworth 1938)."""
 CIRCUMFERENCES = 0.964

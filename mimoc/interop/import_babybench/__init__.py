@@ -27,7 +27,6 @@ ADVICE = {
     "render_height": SIZE,
     "vision_stereo": "both eyes are always observed; ignore 'eye_left' or 'eye_right' in the observation",
 }
-"""What to do instead, by key."""
 KNOWN = (
     *ADVICE,
     *("actuation_model", "behavior", "frame_skip", "max_episode_steps", "position", "proprioception", "scene", "seed"),

@@ -10,7 +10,6 @@ from mimoc.schema.names import single_groups
 PHYSICS_STEP_MS = 5
 """Duration of MIMo's physics step, in which `frame_skip` counts."""
 LONGEST_STEP_MS = 1000
-"""Longest control step in mimoc."""
 MAX_STEPS = 10**9
 MAX_SEED = 2**53
 
@@ -32,7 +31,6 @@ SCENE_NOTES = {
     "cubes": "the infant sits upright, with trunk and legs locked and a free head; BabyBench's leans back by 55 "
     "degrees, with trunk, hips and knees locked and a head that can only turn",
 }
-"""Differences from BabyBench's scene."""
 POSES = {"sit": "sitting", "stand": "standing", **{pose: pose for pose in ("prone", "sitting", "standing", "supine")}}
 HANDS = {
     **dict.fromkeys(("1", "v1", "mimo_v1", "mitten"), "mitten"),

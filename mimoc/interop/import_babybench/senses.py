@@ -19,7 +19,6 @@ QUANTITIES = {
     "normal_force": "normal",
 }
 RESPONSES = {"linear": "linear", "nearest": "nearest", "spread_linear": "linear", "spread_exponential": "linear"}
-"""MIMo's response functions."""
 NO_RESPONSE = {"spread_exponential": "no counterpart; converted to spread_linear"}
 DENSITIES = (0.1, 10.0)
 """Range of the density of skin points in mimoc."""
@@ -111,7 +110,6 @@ _WHOLE = {
     "eyes": ("eyes", "eye"),
     **{pair: (pair, pair.removesuffix("s")) for pair in PAIRED_GROUPS},
 }
-"""Names of each group."""
 _PARTS = {
     "neck": ("face",),
     "trunk": ("back", "belly", "chest", "hip", "hips"),
@@ -203,5 +201,4 @@ def _regions() -> dict[str, Region]:
 
 
 REGIONS = _regions()
-"""All names of regions."""
 SINGLE_GROUPS = tuple(group for group in STRENGTH_GROUPS if group not in PAIRED_GROUPS)

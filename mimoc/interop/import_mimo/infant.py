@@ -19,7 +19,6 @@ HIP, CHEST, UPPER_BODY = "hip", "chest", "upper_body"
 HANDS = ("mitten", "five_finger")
 CHEST_JOINT = "robot:chest_lean"
 BODIES = (HIP, "lower_body", UPPER_BODY, "head")
-"""Bodies that every MIMo has."""
 SENSORS = {"proprioception": "proprio:", "vestibular": "vestibular_"}
 """The beginning of the names of each sense's sensors."""
 
@@ -29,7 +28,6 @@ class Infant:
     """MIMo in a scene: what it has of MIMo's parts."""
 
     tree: Element
-    """The whole scene."""
     hip: Element
     anatomy: Anatomy
     """MIMo's, with the same hands and chest."""

@@ -19,7 +19,6 @@ from mimoc.interop.import_mimo.references import Names, names_in, references, re
 REFERRING = ("contact", "tendon", "equality", "actuator", "sensor")
 """Sections whose elements refer to bodies and joints; tendons before the others, which may refer to them."""
 MODEL = "infant"
-"""Name of the attached model."""
 RENAMED = "scene_"
 """Prefix of assets that have the name of one of the infant's."""
 

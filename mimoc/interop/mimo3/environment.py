@@ -46,7 +46,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
 
     metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
     infant: InfantEnv
-    """The environment below."""
     actuation_model: ActuationModel
     proprioception: Any = None
     touch: Any = None

@@ -46,13 +46,10 @@ class RetargetedFolder:
     """What is in the folder of a retargeted recording."""
 
     path: Path
-    """The folder."""
     bundle: Bundle
-    """The child, compiled."""
     motion: JointMotion
     """Its motion, at the frames of the recording."""
     recording: PointRecording
-    """The points as they were recorded."""
     fitted: PointRecording
     """Where those of the child are; NaN for points that it does not have."""
     account: Mapping[str, Any]

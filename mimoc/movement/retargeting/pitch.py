@@ -38,7 +38,6 @@ class Pitch:
 
     deg: Interval
     note: str
-    """What is said of it."""
 
 
 def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float | None) -> Pitch:

@@ -84,7 +84,6 @@ class Setting:
     child: Child
     hinges: Hinges
     rest: FloatArray
-    """The resting configuration, shape (nq,)."""
     sizes: tuple[Size, ...]
     shape: Shape
     """At the child's sizes."""
@@ -92,7 +91,6 @@ class Setting:
     height_m: float | None
     """Height of the camera, if it is known."""
     pitch: Pitch
-    """How far the camera looks down."""
     height_factors: tuple[float, float]
     """Least and largest factor on its height that this leaves, where it is estimated."""
     logs: FloatArray

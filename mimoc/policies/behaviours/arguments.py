@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from mimoc.base.errors import PolicyError, check_name
 
 SEPARATOR = re.compile(r",(?![^(]*\))")
-"""A comma outside of parentheses."""
 
 
 @dataclass(frozen=True, slots=True)

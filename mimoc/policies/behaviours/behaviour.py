@@ -23,7 +23,6 @@ class Subject:
     infant: DrivenInfant
     """Its model, and the n hinges that its actuators drive."""
     manifest: Manifest
-    """Manifest of its bundle."""
     chance: Chance = field(default_factory=Chance)
     """What the times of its reactions are drawn from."""
 

@@ -28,7 +28,6 @@ SYNERGY: Mapping[str, float] = {"hip1": -1.0, "knee": -1.2, "foot1": 0.6}
 """How far joints turn in a kick, by the excursion of the hip: of the middle of published ranges, hip 30 to 60, knee 40
 to 70 and ankle 20 to 40 degrees (an assumption as to one infant)."""
 PHASE_S = 0.35
-"""Duration of flexion, and of extension."""
 OPTIONS = {"rate_per_min": Option(12.0, 1.0, 60.0), "hip_deg": Option(45.0, 5.0, 90.0)}
 """Kicks of each leg in a minute, of which infants of 0 to 4 months filmed on their backs make 12 (MINI-RGBD), and the
 excursion of the hip, for which 30 to 60 degrees have been published."""

@@ -19,7 +19,6 @@ from mimoc.runtime.sense import FloatArray
 PER_S, DAMPING_M = 5.0, 0.03
 """Speed of the hand by its distance, and the damping of its inverse kinematics (a choice)."""
 OPTIONS = {"speed_m_s": Option(0.4, 0.05, 1.5)}
-"""Largest speed of the hand."""
 ARRIVED_M = 0.03
 """How near the palm has to come to a place, which it cannot touch."""
 
@@ -34,7 +33,6 @@ class Arm:
     aim: Aim
     """Its joints, from the shoulder to the wrist."""
     parts: frozenset[int]
-    """Its bodies."""
     parts_of_hand: frozenset[int]
 
     def palm_m(self, data: mujoco.MjData) -> FloatArray:

@@ -45,7 +45,6 @@ class Frame:
     """A site, a camera or a body."""
 
     kind: str
-    """Key of `KINDS`."""
     index: int
     """Index in the model, among its kind."""
     body: int

@@ -61,9 +61,7 @@ def _cross(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 REACHING = Gains(800.0, cap=0.1, viscosity_per_s=40.0)
-"""Default gains for positions."""
 TURNING = Gains(400.0, viscosity_per_s=40.0)
-"""Default gains for orientations."""
 LOOKING = Gains(900.0, viscosity_per_s=60.0)
 """Default gains for gaze: with weaker ones, the dry friction of the eyes leaves errors of several degrees."""
 

@@ -62,7 +62,6 @@ class Gains:
 
 
 HOLDING = Gains(100.0, cap=0.3, viscosity_per_s=20.0)
-"""Default gains for joint angles."""
 
 
 class Posture:

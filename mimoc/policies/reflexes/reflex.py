@@ -48,13 +48,11 @@ class Reflex:
     """A reflex: when infants have it, what sets it off, and what it does."""
 
     name: str
-    """Name, such as `palmar_grasp`."""
     stimulus: str
     """What sets it off, in a few words."""
     response: str
     """What the infant does then, in a few words."""
     ages: AgeWindow
-    """When infants have it."""
     senses: tuple[str, ...]
     """The senses that it needs; without one of them, it does nothing."""
     source: str

@@ -28,15 +28,12 @@ class Sensed:
 
     xp: Any
     step_s: float
-    """Time of a control step."""
     weight_n: Any
-    """Weight of each."""
     pressure_n: Mapping[str, Any]
     """Force on each area of skin, such as `right palm`; empty without touch."""
     angle_rad: Mapping[str, Any]
     """Angle of each joint, such as `right_elbow`; empty without proprioception."""
     speed_rad_s: Mapping[str, Any]
-    """Its velocity."""
     head_rate_rad_s: tuple[Any, Any, Any]
     """Angular velocity of the head in its frame: x forwards, y left, z up; zeros without a vestibular sense."""
     head_force_m_s2: tuple[Any, Any, Any]
@@ -81,7 +78,6 @@ class Sensed:
 
 
 JOINTS = (*NECK, *(f"{side}_{name}" for side in SIDES for name in ("fingers", "mf_knuckle")))
-"""The joints that are read."""
 
 
 class Senses:

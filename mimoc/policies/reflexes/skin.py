@@ -20,7 +20,6 @@ class Patch:
     """
 
     bodies: str
-    """Pattern of the bodies' names."""
     inward: tuple[float, float, float]
     """Direction of what presses on it, in the frame of the body; for touch that is told by the sum on each body."""
     low: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -39,7 +38,6 @@ AREAS: Mapping[str, tuple[Patch, ...]] = {
     ),
     "foot back": (Patch("{side}_(foot|toes|big_toe)", (0, 0, -1), low=(0, 0, 0.65)),),
 }
-"""The areas of each side."""
 
 
 class Area:
