@@ -66,7 +66,16 @@ class Reference:
         same = replace(self, age_months=age_months)
         if self.anatomy.development == "published":
             return same
-        return replace(same, head_gain=_head_gain(same), foot_height=_foot_height(same))
+        # Head and neck are heavier by this than in the published body of the same age.
+        average, anatomy = measure(same.age_months).paper_law, same.anatomy
+        volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.kinds), anatomy)
+        published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in same.densities_kg_m3.items()}
+        body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
+        return replace(
+            same,
+            head_gain=head_share(same.age_months) * body_kg / published_kg["head"],
+            foot_height=_foot_height(same),
+        )
 
 
 def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
@@ -107,15 +116,6 @@ def mimos_volumes(dimensions: BodyGeometry, anatomy: Anatomy) -> dict[str, float
 def head_share(age_months: float) -> float:
     """Return the share of head and neck in the mass of the average child: .20 + .10 exp(-age / 18 months)."""
     return ADULT_SHARE + NEWBORN_EXCESS * math.exp(-age_months / DECAY_MONTHS)
-
-
-def _head_gain(reference: Reference) -> float:
-    """Return by how much head and neck are heavier than in the published body of the same age."""
-    average, anatomy = measure(reference.age_months).paper_law, reference.anatomy
-    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.kinds), anatomy)
-    published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in reference.densities_kg_m3.items()}
-    body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
-    return head_share(reference.age_months) * body_kg / published_kg["head"]
 
 
 def _foot_height(reference: Reference) -> float:

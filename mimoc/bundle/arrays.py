@@ -30,7 +30,6 @@ class LazyArrays(Mapping[str, Array]):
     """Arrays by name, of which some are made when one of them is first asked for; all are read-only."""
 
     def __init__(self, ready: Mapping[str, Array], names: Sequence[str], make: Callable[[], Mapping[str, Array]]):
-        """Promise arrays of some names besides those that there are."""
         self._ready, self._names, self._make = ready, tuple(names), make
 
     @cached_property

@@ -115,7 +115,6 @@ def _vertices(content: bytes) -> int:
 
 
 def _indices(content: bytes, place: int, count: int, verts: int) -> int:
-    """Return the bytes of some indices of vertices, all of which must be there."""
     vertices = _integers(content, place, count)
     if len(vertices) and (vertices.min() < 0 or vertices.max() >= verts):
         raise UnusableFileError("it refers to vertices that it does not have")

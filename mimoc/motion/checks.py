@@ -291,7 +291,6 @@ def _missing(recording: PointRecording) -> npt.NDArray[np.bool_]:
 
 
 def _gaps(recording: PointRecording) -> tuple[str, ...]:
-    """Return how much is not seen, and for how long at most."""
     missing = _missing(recording)
     means = zip(recording.names, missing.mean(axis=0).tolist(), strict=True)
     shares = {name: share for name, share in means if share > _SHOWN_GAP}

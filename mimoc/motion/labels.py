@@ -129,7 +129,6 @@ def _with_neck(recording: PointRecording) -> PointRecording:
 
 
 def _note(name: str, labels: Sequence[str]) -> str:
-    """Return what is assumed of where a point is; nothing of a label that is its name."""
     if len(labels) == 1 and not _is_marker(labels[0]):
         return ""
     return f"{name} is taken to be at {one_line(', '.join(labels))}"

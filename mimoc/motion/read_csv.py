@@ -173,7 +173,6 @@ def _of_one_person(header: Sequence[str], rows: Cells, options: ReadOptions) -> 
 
 
 def _infant(names: Sequence[str], options: ReadOptions) -> str:
-    """Return the name of the infant among those of all individuals, each of which may be there often."""
     known = [*dict.fromkeys(names)]
     known = [name for name in known if name not in ("", _NO_INDIVIDUAL)] or known
     asked = None if options.infant is None else str(options.infant)

@@ -133,7 +133,6 @@ def _column_of_points(header: Sequence[str]) -> int | None:
 
 
 def _columns(header: Sequence[str]) -> list[str]:
-    """Return the names of columns with those of landmarks in one form, `left_hip_x`."""
     parts = [_split(cell) for cell in header]
     names = iter(_names([label for label, what, _ in parts if what]))
     is_seen = any(what in ("visibility", "confidence") for _, what, _ in parts)
@@ -198,7 +197,6 @@ def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOp
 
 
 def _frames(data: Any) -> tuple[Sequence[Any], float]:
-    """Return the frames of a JSON file, and their rate, NaN if it does not say it."""
     rate_hz = math.nan
     if isinstance(data, dict):
         rate_hz = next((float(data[key]) for key in _RATES if _is_finite(data.get(key))), math.nan)

@@ -119,7 +119,6 @@ def _in_space(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointReco
 
 
 def _place(path: Path) -> tuple[Path, Joints] | None:
-    """Return the folder with joints, and what they are, if there is one."""
     for joints in FOLDERS:
         for folder in (path, path / joints.folder):
             if not (folder != path and folder.is_symlink()) and _has_joints(folder, joints):

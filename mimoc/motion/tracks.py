@@ -145,7 +145,6 @@ def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
 
 
 def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices, Indices]:
-    """Return pairs of the end of a track and the begins of those that come next."""
     first = np.searchsorted(places[begins], places[ends], "right")
     most = min(_NEXT, max(_MOST_OVER_GAPS // max(len(ends), 1), 1))
     before, after = _pairs(ends, first, np.minimum(first + most, len(begins)))

@@ -260,7 +260,6 @@ def _told_apart(
 
 
 def _assumptions(recording: PointRecording) -> list[str]:
-    """Return what has to be known to read the measures of a recording."""
     less = "and moves less: its speeds come out lower"
     notes = [f"{present} stands in for {absent}, {less}" for absent, present in stand_ins(recording.names).items()]
     if recording.unit == "m":

@@ -95,7 +95,6 @@ class Sum:
     """
 
     def __init__(self, env: Infant, policies: Sequence[Policy], labels: Sequence[str]):
-        """Add policies of one infant, each with what it is called where metrics have the same name."""
         self._env, self._policies, self._labels = env, tuple(policies), numbered(labels)
         self.steps_per_episode = min(map(episode_limit_of, policies))
 
@@ -137,7 +136,6 @@ def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
 
 
 def _binding(part: PolicyPart) -> Callable[[Any], Any]:
-    """Return the function that binds a policy to an environment, or a behaviour to its subject."""
     assert part.kind
     bind = function_of(part.kind.run, "bind")
     return bind if part.argument is None else lambda bound_to: bind(bound_to, part.argument)

@@ -150,7 +150,6 @@ class PosturePolicy:
         return self._targets[before] + share * (self._targets[now] - self._targets[before])
 
     def _felt(self, balance: Any) -> FloatArray:
-        """Return what is felt of each of `SWAYS`, shape (4,)."""
         acceleration, turning = balance[:3] / GRAVITY_M_S2, balance[3:]
         return np.array([acceleration[0], acceleration[1], turning[1], turning[0]], float)
 

@@ -104,7 +104,6 @@ def portraits(
 
 
 def _subject(manifest: Manifest, framing: Framing) -> str:
-    """Return the outermost body of what fills the picture of an infant."""
     if not framing.crop:
         return manifest.root_body
     if manifest.anatomy.head is None:

@@ -109,7 +109,6 @@ def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mu
 
 
 def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
-    """Return a model of several infants on a floor, and what the names of their parts begin with."""
     prefixes = [f"{number}: " for number in range(len(bundles))]
     files: dict[str, bytes] = {}
     for bundle, prefix in zip(bundles, prefixes, strict=True):

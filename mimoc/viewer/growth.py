@@ -129,7 +129,6 @@ def describe_touch(variants: Sequence[Variant], ages_months: Sequence[float]) ->
 
 
 def _poses(variants: Sequence[Variant], parts: Sequence[Own]) -> Iterator[tuple[str, npt.NDArray[Any]]]:
-    """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
             keys = [variant.model.key(pose).qpos[infant.qpos] for variant, infant in zip(variants, parts, strict=True)]

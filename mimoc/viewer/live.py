@@ -17,7 +17,7 @@ import numpy as np
 from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.infant import Infant
-from mimoc.viewer.meshes import Colour, colour_of, coloured_faces, mesh_of, skin_of, texture_of
+from mimoc.viewer.meshes import colour_of, coloured_faces, mesh_of, skin_of, texture_of
 
 HOST = "localhost"
 """Where pages are served: others on the network see nothing."""
@@ -201,11 +201,14 @@ class LiveView(AbstractContextManager["LiveView"]):
             if body not in frames:
                 frames[body] = scene.add_frame(name, show_axes=False)
             vertices_m, faces = mesh_of(model, geom)
+            material = model.geom_matid[geom]
+            pixels = texture_of(model, material)
+            rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
             scene.add_mesh_simple(
                 f"{name}/{model.geom(geom).name}",
                 vertices_m,
                 faces,
-                color=_colour(model, geom),
+                color=colour_of(rgba[:3] * (255 if pixels is None else pixels.mean(axis=(0, 1)))),
                 position=model.geom_pos[geom],
                 wxyz=model.geom_quat[geom],
             )
@@ -253,11 +256,3 @@ def _serve(port: int, name: str, access: Access) -> Any:
 def _without_messages() -> AbstractContextManager[Any]:
     """Keep viser from printing its own address, which opens nothing, and that it has stopped."""
     return redirect_stdout(io.StringIO())
-
-
-def _colour(model: mujoco.MjModel, geom: int) -> Colour:
-    """Return the colour of a geom; of a textured one, the mean of its texture."""
-    material = model.geom_matid[geom]
-    pixels = texture_of(model, material)
-    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-    return colour_of(rgba[:3] * (255 if pixels is None else pixels.mean(axis=(0, 1))))

@@ -47,7 +47,6 @@ def _problems(kind: PartKind) -> Iterator[str]:
 
 
 def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
-    """Yield the names of a part and of all that it has, with what they are of."""
     for item in (part, *part.geoms, *part.joints, *part.motors):
         yield type(item), item.name
 

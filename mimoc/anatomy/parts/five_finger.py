@@ -52,7 +52,6 @@ _GRIP_CONDIM = 6
 
 
 def _palm(part: str, number: int, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
-    """Return a geom of a part of the palm, numbered from 1."""
     euler_deg, size_m = ALONG_X if shape == "cylinder" else UPRIGHT, _SIZES_M[part][number - 1]
     name = f"{{side}}_{part}{number}"
     return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=size_m)

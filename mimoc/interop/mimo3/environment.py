@@ -200,7 +200,6 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         return False
 
     def _is_done(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> tuple[bool, bool]:
-        """Return whether the episode is over, and whether it is truncated."""
         return bool(self.done_active and (info["is_success"] or info["is_failure"])), bool(self.is_truncated())
 
     def _step_callback(self) -> None:
@@ -339,6 +338,5 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         mujoco.mj_step(self.model, self.data)
 
     def _sense(self) -> None:
-        """Sample all senses now, and forget what is on its way."""
         self.infant.schedule.reset(self.data)
         self.sensed = self.infant.schedule.observe()

@@ -91,7 +91,6 @@ class SimpleVision:
     """Pictures of the eyes."""
 
     def __init__(self, env: Any, camera_parameters: Mapping[str, Any] | None):
-        """See with the eyes that the parameters name, or with both."""
         self.env, entry = env, _entry(env, "vision", "vision_params", camera_parameters)
         self.camera_parameters = camera_parameters or dict.fromkeys(entry.cameras)
 
@@ -116,7 +115,6 @@ class SimpleVestibular:
     """Specific force and angular velocity of the head."""
 
     def __init__(self, env: Any, vestibular_parameters: Mapping[str, Any] | None):
-        """Hand out what was observed, in the order of the parameters."""
         self.env, self.vestibular_parameters = env, vestibular_parameters
         _entry(env, "vestibular", "vestibular_params", vestibular_parameters)
         self.sensors = list((vestibular_parameters or {}).get("sensors", VESTIBULAR))

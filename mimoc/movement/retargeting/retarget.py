@@ -152,7 +152,6 @@ def check(recording: PointRecording) -> None:
 
 
 def _stated(spec: InfantSpec | None) -> str | None:
-    """Return the pose that a spec states; None if it leaves it open."""
     return spec.scene.pose if spec and "pose" in spec.scene.model_fields_set else None
 
 
@@ -178,7 +177,6 @@ def _name(recording: PointRecording) -> str:
 
 
 def _first_fit(setting: Setting, run: Run) -> tuple[State, Noise]:
-    """Return the fit to some frames, from likely postures on, and the noise."""
     thin = setting.recording.window(0, setting.recording.frames, setting.every)
     noise = usual_noise(setting.recording)
     problem = problem_of(setting, thin, noise)

@@ -301,7 +301,6 @@ def _resting(model: mujoco.MjModel, rest: FloatArray, points: list[BodyPoint]) -
 
 
 def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column: int, count: int) -> bool:
-    """Return whether a size moves a point of the recording relative to others."""
     if np.abs(shape.points_m[:count, :, column]).max() > 1e-6:
         return True
     bodies = carrying(model, [point.body for point in points])

@@ -174,7 +174,6 @@ def matched(spec: InfantSpec, wanted: Mapping[str, float], length_cm: float | No
 
 
 def _vectors(model: mujoco.MjModel, points: PointsOf) -> tuple[FloatArray, ...]:
-    """Return origins of bodies, anchors of joints, and points."""
     return model.body_pos.copy(), model.jnt_pos.copy(), np.array([point.offset_m for point in points(model)])
 
 

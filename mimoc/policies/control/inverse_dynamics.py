@@ -179,7 +179,6 @@ class InverseDynamics:
         return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
 
     def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
-        """Return the accelerations that a posture demands."""
         members = self._members[posture]
         errors_rad = posture.targets_rad(self.joints, self._present_rad) - self._data.qpos[self._joints.angles]
         wanted = posture.gains.accelerations(errors_rad, self._data.qvel[self._joints.speeds])
@@ -228,7 +227,6 @@ def driven_joints(actuation: Actuation, model: mujoco.MjModel, manifest: Manifes
 def _find_allowed(
     chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel, manifest: Manifest
 ) -> Joints:
-    """Return the joints that may move, of those that actuators move."""
     moved = driven_joints(actuation, model, manifest)
     for name in chosen or ():
         if name not in moved:

@@ -255,7 +255,6 @@ class GazeTask(FrameTask):
 
 
 def _pointing(motion: Motion, axis: FloatArray | None) -> FloatArray:
-    """Return the pointing direction of a frame in the world, shape (3,)."""
     return motion.axes @ (motion.pointing if axis is None else axis)
 
 

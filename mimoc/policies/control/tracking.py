@@ -204,7 +204,6 @@ class Tracker:
         return body.root_inertia() @ (demanded - data.qacc)[root]
 
     def _feedback(self, wanted: Wanted) -> FloatArray:
-        """Return the accelerations that errors of places and velocities demand, shape (nv,)."""
         model, data = self._body.model, self._body.data
         coming, errors = data.qpos.copy(), np.zeros(model.nv)
         mujoco.mj_integratePos(model, coming, data.qvel, self._step_s)

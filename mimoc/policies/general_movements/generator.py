@@ -261,7 +261,6 @@ class GeneralMovements:
         return along + xp.sqrt(1.0 - coherence**2) * of_hinges
 
     def _aim(self, chances: Mapping[str, Any], ease: float, arousal: Any) -> None:
-        """Let limbs choose other goals now and then, and go there."""
         xp, state, goals = self._xp, self._state, self._of["goals"]
         leaves = xp.take(chances["goal"] < self._law["goals_hz"] * arousal * self._step_s, self._limb, axis=1)
         count = goals.shape[1]
@@ -273,7 +272,6 @@ class GeneralMovements:
         state["going"] = state["going"] + ease * (state["goal"] - state["going"])
 
     def _shares(self, arousal: Any) -> Any:
-        """Return the share of its strength that each hinge is asked for, shape (k, m)."""
         law, state = self._law, self._state
         slowly = self._slow * self._along(self._in_pairs(state["slowly_bend"]), state["slowly"])
         level = self._xp.exp(law["size_swell"] * state["arousal"]) * arousal
