@@ -20,7 +20,6 @@ from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import FreeObject, Lock, Weld
 from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose
 from mimoc.compiler.scenes.built_scene import Placement
-from mimoc.compiler.scenes.footprint import footprint
 from mimoc.schema.world import WorldPlan
 
 GAP_CM = 10.0
@@ -51,17 +50,11 @@ class InfantPart:
     """Floor that it covers in all its poses, and its task: discs, shape (n, 3), [m]."""
 
 
-def covered(builder: Builder) -> FloatArray:
-    """Return the floor that an infant at the origin covers in all its poses, and its task: discs, shape (n, 3), [m]."""
-    discs = footprint(builder.tree, [pose.qpos for pose in builder.infant.keyframes])
-    return np.concatenate([discs, np.reshape(builder.task_setup.taken, (-1, 3))])
-
-
 def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Placement]:
     """Return where each infant of a world is: as its file says, or side by side along y, centimetres rounded up."""
     yaws = [deg_to_rad(item.yaw_deg % 360.0) for item in plan.spec.placed]
     turned = zip(builders.values(), yaws, strict=True)
-    row_cm = _row_cm([place_discs(covered(one), Placement(0.0, 0.0, yaw)) for one, yaw in turned])
+    row_cm = _row_cm([place_discs(one.covered, Placement(0.0, 0.0, yaw)) for one, yaw in turned])
     return {
         name: Placement(cm_to_m(item.x_cm or 0.0), cm_to_m(y_cm if item.y_cm is None else item.y_cm), yaw)
         for name, item, y_cm, yaw in zip(builders, plan.spec.placed, row_cm, yaws, strict=True)
@@ -130,7 +123,7 @@ def part_of(builder: Builder, place: Placement, prefix: str) -> InfantPart:
         furniture=prefixed(furniture, prefix),
         locks=tuple(prefixed(item, prefix) for item in lock(locked_joints(spec, tree, setup), tree, state)),
         welds=tuple(prefixed(item, prefix) for item in weld(holds(spec, tree, setup), tree, state)),
-        taken=place_discs(covered(builder), place),
+        taken=place_discs(builder.covered, place),
     )
 
 

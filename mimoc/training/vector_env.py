@@ -1,5 +1,6 @@
 """Parallel environments with normalised observations, for Stable-Baselines3, of infants that may grow."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -104,7 +105,23 @@ class InfantVecEnv(DummyVecEnv):
 
 def monitored(infants: BatchEnv) -> VecMonitor:
     """Return infants that are reset in the same step as Stable-Baselines3 wants them, with returns of episodes."""
-    return VecMonitor(InfantVecEnv(infants))
+    return Monitored(InfantVecEnv(infants))
+
+
+class Monitored(VecMonitor):
+    """Stable-Baselines3's `VecMonitor`, which can be copied and pickled."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the members of the class, which it keeps beside its own attributes."""
+        return {name: value for name, value in self.__dict__.items() if name != CLASS_ATTRIBUTES}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take them from the class again."""
+        vars(self).update(state, **{CLASS_ATTRIBUTES: dict(inspect.getmembers(type(self)))})
+
+
+CLASS_ATTRIBUTES = "class_attributes"
+"""Attribute of Stable-Baselines3's wrappers with the members of their class."""
 
 
 GROWN = "grown"

@@ -7,16 +7,14 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-import gymnasium
-
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.compiler.world_sources import world_of
-from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.world_env import WorldEnv
+from mimoc.runtime.infants import infants_of
+from mimoc.runtime.simulation import Simulation
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
@@ -72,7 +70,7 @@ class View:
 
 
 def view(
-    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | gymnasium.Env | WorldEnv | Any",
+    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | str | Path | Any",
     path: str | Path | None = None,
     *,
     physics: bool = False,
@@ -86,11 +84,11 @@ def view(
 
     Args:
         shown: A bundle or its folder, a spec or its file (.yaml, .yml); a recording or its folder; or an
-            environment, whose infant is shown as it is now. Or a world of several infants, in any form that
+            environment on the CPU, whose infant is shown as it is now. Or a world of several infants, in any form that
             `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time.
         path: Also write the page to this file, which ends in .html.
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act: 4 MB more.
-        infant: Which of several recorded infants; the first one if it is not said.
+        infant: Which of several infants, that were recorded or are in a vector environment; by default the first one.
         episode: Which recorded episode; the first one if it is not said.
         progress: Called with how much is done, and how much there is to do.
 
@@ -112,14 +110,15 @@ def view(
         from mimoc.viewer.episode_page import page_of_recording
 
         made = View(*page_of_recording(recording, infant, episode, physics, progress))
+    elif (simulation := _simulation_of(shown, infant)) is not None and episode is None:
+        if isinstance(simulation.bundle, WorldBundle):
+            made = View(page_of_world(_without_physics(simulation.bundle, physics), simulation, progress))
+        else:
+            made = View(_page_now(simulation, simulation.bundle, physics))
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
-    elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
-        made = View(_page_of_env(shown.unwrapped, physics))
-    elif (world := shown.bundle if isinstance(shown, WorldEnv) else world_of(shown)) is not None:
-        if physics:
-            raise MimocError("physics on a page is that of a single infant, and this is a world with several")
-        made = View(page_of_world(world, shown if isinstance(shown, WorldEnv) else None, progress))
+    elif (world := world_of(shown)) is not None:
+        made = View(page_of_world(_without_physics(world, physics), progress=progress))
     elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
         source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
         made = View(page_of(compiled(source), physics, progress))
@@ -148,8 +147,26 @@ def _recording_of(shown: object) -> "ReadRecording | None":
     return cast("ReadRecording", shown) if reading and isinstance(shown, reading.ReadRecording) else None
 
 
-def _page_of_env(env: InfantEnv, physics: bool) -> str:
-    packed, infant = EncodedArrays(), own_parts(env.model, env.manifest)
-    about: dict[str, Any] = packed.put(describe(env.bundle, physics))
-    about = with_posture(about, packed, env.data.qpos[infant.qpos], env.manifest.child.length_cm)
-    return fill({**about, "surroundings": describe_surroundings(env.model, env.data, infant)}, packed)
+def _simulation_of(shown: object, infant: int | None) -> Simulation | None:
+    """Return the simulation of an environment, of several that in which an infant is; None if it is none."""
+    try:
+        infants = [*infants_of("view", shown).values()]
+    except TypeError:
+        return None
+    if infant is not None and not 0 <= infant < len(infants):
+        raise MimocError(f"there is no infant {infant}; give a number from 0 to {len(infants) - 1}")
+    return infants[infant or 0].simulation
+
+
+def _without_physics(world: WorldBundle, physics: bool) -> WorldBundle:
+    """Return a world, or refuse to let its page have physics."""
+    if physics:
+        raise MimocError("physics on a page is that of a single infant, and this is a world with several")
+    return world
+
+
+def _page_now(simulation: Simulation, bundle: Bundle, physics: bool) -> str:
+    packed, infant = EncodedArrays(), own_parts(simulation.model, bundle.manifest)
+    about: dict[str, Any] = packed.put(describe(bundle, physics))
+    about = with_posture(about, packed, simulation.data.qpos[infant.qpos], bundle.manifest.child.length_cm)
+    return fill({**about, "surroundings": describe_surroundings(simulation.model, simulation.data, infant)}, packed)

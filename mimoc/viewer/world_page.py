@@ -12,7 +12,7 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.variants import spec_of
-from mimoc.runtime.world_env import WorldEnv
+from mimoc.runtime.simulation import Simulation
 from mimoc.viewer.appearance import describe_materials, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
@@ -27,9 +27,9 @@ Place = tuple[FloatArray, FloatArray]
 
 
 def page_of_world(
-    world: WorldBundle, env: WorldEnv | None = None, progress: Progress = lambda done, total: None
+    world: WorldBundle, simulation: Simulation | None = None, progress: Progress = lambda done, total: None
 ) -> str:
-    """Return the page of a world as all start there, or as they are now in an environment of it.
+    """Return the page of a world as all start there, or as they are now in a simulation of it.
 
     Each infant is shown where it is alone, and the others are around it as they are around it in the world.
 
@@ -37,7 +37,7 @@ def page_of_world(
         BundleError: If the bundle does not contain the specs of its infants.
         MimocError: If an infant has other parts at other ages.
     """
-    model, data = (env.model, env.data) if env else _start(world)
+    model, data = (simulation.model, simulation.data) if simulation else _start(world)
     packed, infants = EncodedArrays(), dict[str, Any]()
     for number, (name, infant) in enumerate(world.infants.items()):
         count, first = len(world.infants), number
@@ -45,7 +45,7 @@ def page_of_world(
         def report(done: int, total: int, first: int = first, count: int = count) -> None:
             progress(first * total + done, count * total)
 
-        infants[name] = _describe(infant, model, data, packed, report, is_now=env is not None) | {"name": name}
+        infants[name] = _describe(infant, model, data, packed, report, is_now=simulation is not None) | {"name": name}
     return fill({"name": world.manifest.name, "bounds": "", "physics": None, "infants": infants}, packed)
 
 
@@ -69,22 +69,25 @@ def _describe(
     """Return what a page knows of one infant, with the rest of its world around it."""
     alone = build(spec_of(infant))
     about: dict[str, Any] = packed.put(describe(alone, progress=progress))
-    own, alone_from_world = own_parts(model, infant.manifest), _move(alone, infant, model)
+    own, alone_from_world = own_parts(model, infant.manifest), move_home(alone, infant, model)
     around = describe_surroundings(model, data, own)
     _add_skins(around, model, data, own.bodies)
-    bodies, moved = around["bodies"], []
-    for pos_m, quat in zip(bodies["pos"], bodies["quat"], strict=True):
-        moved.append(_composed(alone_from_world, (pos_m, quat)))
-    bodies["pos"], bodies["quat"] = (np.array(parts) for parts in zip(*moved, strict=True))
-    about |= _with_materials(about, around, model)
+    move_bodies(around["bodies"], alone_from_world)
+    about |= with_surroundings(about, around, model)
     if is_now:
         qpos = data.qpos[own.qpos]
-        qpos[:3], qpos[3:7] = _composed(alone_from_world, (qpos[:3].copy(), qpos[3:7].copy()))
+        qpos[:3], qpos[3:7] = composed(alone_from_world, (qpos[:3].copy(), qpos[3:7].copy()))
         about = with_posture(about, packed, qpos, infant.manifest.child.length_cm)
     return about
 
 
-def _move(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
+def move_bodies(bodies: dict[str, Any], move: Place) -> None:
+    """Move the bodies of surroundings."""
+    moved = [composed(move, place) for place in zip(bodies["pos"], bodies["quat"], strict=True)]
+    bodies["pos"], bodies["quat"] = (np.array(parts) for parts in zip(*moved, strict=True))
+
+
+def move_home(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
     """Return what brings an infant from where it starts in its world to where it starts alone."""
     bare = load_model(alone)
     starts = [
@@ -99,7 +102,8 @@ def _move(alone: Bundle, infant: Bundle, model: mujoco.MjModel) -> Place:
     return to_m - offset_m, turn
 
 
-def _composed(move: Place, place: Place) -> Place:
+def composed(move: Place, place: Place) -> Place:
+    """Return a place after a move."""
     offset_m, turned = np.empty(3), np.empty(4)
     mujoco.mju_rotVecQuat(offset_m, place[0], move[1])
     mujoco.mju_mulQuat(turned, move[1], place[1])
@@ -141,7 +145,7 @@ def _skin_meshes(
         yield np.array([*colour, 255]) / 255, verts_m[used], renumbered.reshape(-1, 3).astype(np.uint32)
 
 
-def _with_materials(about: Mapping[str, Any], around: dict[str, Any], model: mujoco.MjModel) -> dict[str, Any]:
+def with_surroundings(about: Mapping[str, Any], around: dict[str, Any], model: mujoco.MjModel) -> dict[str, Any]:
     """Return surroundings with materials and pictures of their own, behind those of the infant."""
     described, numbers = describe_materials(model), around["geoms"]["material"]
     used = sorted({int(number) for number in numbers if number >= 0})

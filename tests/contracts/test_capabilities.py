@@ -8,7 +8,7 @@ from contracts.capabilities import (
     PARTS,
     Capability,
     all_capabilities,
-    functions_of,
+    names_of,
     page_with,
     table,
 )
@@ -19,7 +19,7 @@ from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.world_env import WorldEnv
 
-ON_CPU = [capability for capability in all_capabilities() if not capability.extras]
+QUICK = [capability for capability in all_capabilities() if not capability.extras]
 EXTRAS = [capability for capability in all_capabilities() if capability.extras]
 
 
@@ -34,26 +34,30 @@ def assert_done_or_refused(capability: Capability, kind: Kind, folder: Path) -> 
 
 
 def each(capabilities: list[Capability]) -> pytest.MarkDecorator:
-    names = [capability.fact.__name__ for capability in capabilities]
-    return pytest.mark.parametrize("capability", capabilities, ids=names)
+    slow = [pytest.mark.slow, pytest.mark.full]
+    cases = [
+        pytest.param(capability, id=capability.fact.__name__, marks=slow if capability.is_slow else [])
+        for capability in capabilities
+    ]
+    return pytest.mark.parametrize("capability", cases)
 
 
-@each(ON_CPU)
+@each(QUICK)
 def test_one_infant(capability, tmp_path):
     assert_done_or_refused(capability, ONE, tmp_path)
 
 
-@each(ON_CPU)
+@each(QUICK)
 def test_infants_that_share_a_world(capability, tmp_path):
     assert_done_or_refused(capability, WORLD, tmp_path)
 
 
-@each(ON_CPU)
+@each(QUICK)
 def test_many_infants(capability, tmp_path):
     assert_done_or_refused(capability, MANY, tmp_path)
 
 
-@each(ON_CPU)
+@each(QUICK)
 def test_infants_of_many_worlds(capability, tmp_path):
     assert_done_or_refused(capability, WORLDS, tmp_path)
 
@@ -82,7 +86,7 @@ def public_names(environment: type) -> set[str]:
 @pytest.mark.parametrize(("kind", "environment"), [(ONE, InfantEnv), (WORLD, WorldEnv), (MANY, BatchEnv)])
 def test_no_method_is_forgotten(kind, environment):
     parts = {name for names in PARTS for name in names.split()}
-    assert public_names(environment) - parts - functions_of(kind) == set()
+    assert public_names(environment) - parts - names_of(kind) == set()
 
 
 @pytest.mark.extras
@@ -90,7 +94,7 @@ def test_no_method_on_a_device_is_forgotten():
     from mimoc.runtime.device.vector_env import DeviceEnv
 
     parts = {name for names in PARTS for name in names.split()}
-    assert public_names(DeviceEnv) - parts - functions_of(ON_DEVICE) == set()
+    assert public_names(DeviceEnv) - parts - names_of(ON_DEVICE) == set()
 
 
 def test_the_page_has_the_table():

@@ -75,7 +75,20 @@ def test_infants_of_a_world_have_their_own_episodes():
     one = mimoc.evaluate(shared, {"ben": "random"}, episodes=1, seed=5, follow="left_hand", steps_per_episode=3)
     assert (one["ben"][0].path_m == both["ben"][1].path_m).all(), "anna has not touched him yet"
     assert np.ptp(one["anna"][0].path_m, axis=0).max() < np.ptp(both["anna"][1].path_m, axis=0).max()
-    with pytest.raises(UnknownNameError, match="'bne' is not a name of an infant; did you mean 'ben'"):
+    with pytest.raises(UnknownNameError, match="'bne' is not a name of an infant of this world; did you mean 'ben'"):
         mimoc.evaluate(shared, {"bne": "random"}, episodes=1, steps_per_episode=3)
     with pytest.raises(TrainingError, match="the episodes of 'anna' do not end"):
         mimoc.evaluate(shared, "zero", episodes=1)
+
+
+def test_worlds_side_by_side_have_the_episodes_of_one_world():
+    """Episode i is of world i % n, and the result is by infant, to the bit."""
+    pair = world(anna=ANNA, ben=ANNA)
+    options = {"episodes": 3, "seed": 4, "follow": "left_hand", "steps_per_episode": 3}
+    one = mimoc.evaluate(WorldEnv(pair), "general_movements", **options)
+    envs = mimoc.make_vec(pair, num_envs=4)
+    both = mimoc.evaluate(envs, "general_movements", **options)
+    assert [*both] == [*one] == ["anna", "ben"]
+    for name in one:
+        assert all((a.path_m == b.path_m).all() for a, b in zip(one[name], both[name], strict=True))
+    envs.close()

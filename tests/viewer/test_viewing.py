@@ -15,6 +15,7 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import MimocError, OutputError
+from mimoc.runtime.opening.parallel import shared_world
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.viewer.growth import own_parts
 
@@ -85,6 +86,25 @@ def test_a_world_is_shown_by_infant_with_the_others_around_as_they_are():
         mimoc.view(world, physics=True)
 
 
+def test_a_recording_of_a_world_is_replayed_with_the_others_around(tmp_path):
+    spec = mimoc.InfantSpec.model_validate(SPEC)
+    env = mimoc.Recorder(shared_world({"anna": spec, "ben": spec}), tmp_path / "recording")
+    env.reset(seed=0)
+    for _ in range(3):
+        env.step({name: np.full(env.action_space(name).shape, 0.5, np.float32) for name in env.agents})
+    in_world_m = env.unwrapped.data.body("anna_head").xpos - env.unwrapped.data.body("ben_hip").xpos
+    env.close()
+    view = mimoc.view(tmp_path / "recording", infant=1)
+    page = read_page(view.html)
+    bodies, recording = page["surroundings"]["bodies"], page["recording"]
+    assert (view.difference, page["name"], len(recording["qpos"])) == (None, "ben", 4)
+    head_m = recording["around"][-1][bodies["names"].index("anna_head"), :3]
+    assert head_m - recording["qpos"][-1][:3] == pytest.approx(in_world_m, abs=2e-4)
+    assert page["surroundings"]["geoms"]["material"].max() < len(page["materials"])
+    with pytest.raises(MimocError, match="physics on a page is that of a single infant"):
+        mimoc.view(tmp_path / "recording", infant=1, physics=True)
+
+
 @pytest.mark.parametrize(
     "keys",
     full_but(
@@ -127,8 +147,10 @@ def test_it_is_saved_and_opened_where_it_was_saved(shown, tmp_path, monkeypatch)
 def test_what_cannot_be_shown_or_written_is_refused_before_anything_is_built(spec, tmp_path):
     with pytest.raises(OutputError, match=r"end it in \.html"):
         mimoc.view(spec, tmp_path / "page.png")
-    with pytest.raises(MimocError, match="a dict cannot be shown; give a bundle, a spec, a recording or an env"):
-        mimoc.view({})
+    with pytest.raises(
+        MimocError, match="a set cannot be shown; give a bundle, a spec, a world, a recording or an env"
+    ):
+        mimoc.view({1})
     with pytest.raises(MimocError, match="'infant' and 'episode' choose from a recording"):
         mimoc.view(spec, episode=2)
 
