@@ -70,11 +70,7 @@ class Kinds(Mapping[str, K]):
         return "mimoc" if name in self.builtin else self._added[name][1]
 
     def add(self, record: K, distribution: str = "") -> None:
-        """Add somebody else's record; a script may replace what it registered before.
-
-        Raises:
-            KindError: If its name is no identifier in lower case, or is taken.
-        """
+        """Add somebody else's record, which a script may replace; KindError if its name is invalid or taken."""
         if not NAME.fullmatch(record.name):
             raise KindError(f"'{record.name}' cannot name a {self.what}; use lower-case letters, digits and '_'")
         if record.name in self and (distribution or self.distribution(record.name)):

@@ -74,12 +74,7 @@ def _measured(spec: InfantSpec, reference: Reference) -> tuple[Measurements, Wei
 
 
 def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> GrownBody:
-    """Return the body of a spec's child that has been measured, without removed limbs.
-
-    Raises:
-        GeometryError: If no body has these measurements.
-        ContractureError: If a contracture leaves nothing of a joint's range.
-    """
+    """Return the body of a measured child without removed limbs, or a GeometryError or ContractureError."""
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
     composed = composition(child, spec)
     tree, masses = _grow(child, reference, scales, composed)

@@ -249,12 +249,7 @@ class SharedFiles:
     folder: Path
 
     def put(self, path: Path, content: bytes) -> None:
-        """Write a file as a link to the shared one, or as a copy where there are no links.
-
-        Raises:
-            OSError: If it cannot be written.
-            OutputError: If the folder of the shared one is a link.
-        """
+        """Write a file as a link to the shared one, or a copy without links; OutputError if its folder is a link."""
         digest = sha256(content).hexdigest()
         shared = self.folder / digest[:2] / digest
         if not self._link(shared, path, content):

@@ -41,9 +41,8 @@ BREAKDOWNS = tuple(map(int, (_WARNINGS.mjWARN_BADQPOS, _WARNINGS.mjWARN_BADQVEL,
 def load_model(bundle: Bundle) -> mujoco.MjModel:
     """Return the compiled scene of a bundle.
 
-    Raises:
-        BundleError: If it is one that mimoc does not write; MuJoCo reads nothing of it then.
-        ModelError: If MuJoCo rejects it.
+    Raises a BundleError for what mimoc does not write, of which MuJoCo reads nothing, and a ModelError if MuJoCo
+    rejects it.
     """
     check_files(bundle)
     model = read_model(bundle.files, bundle.manifest.scene)
@@ -135,11 +134,9 @@ def check_contacts(data: mujoco.MjData) -> None:
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state in a pose or its own, with all that is derived from it.
+    """Return the compiled scene of a bundle and its state in a pose or its own, all derived from it.
 
-    Raises:
-        ModelError: If MuJoCo rejects the model.
-        UnknownNameError: If the bundle has no such pose.
+    Raises a ModelError if MuJoCo rejects the model, an UnknownNameError if the bundle has no such pose.
     """
     pose = pose_of(bundle.manifest, pose)
     model = load_model(bundle)

@@ -61,11 +61,7 @@ class FrameFiles:
 
 
 def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
-    """Return the files of a folder whose names end in *suffix*, by the number in their names that rises.
-
-    Raises:
-        UnusableFileError: If there are none, too many or too large ones, or two of one number.
-    """
+    """Return files that end in *suffix* by the rising number in their names, or raise an UnusableFileError."""
     names = frame_names(folder, suffix)
     if not names:
         raise UnusableFileError(f"has no files *{suffix}; give the folder that they are in")

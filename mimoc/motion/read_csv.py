@@ -62,11 +62,7 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def points_in(name: str, rows: Cells, options: ReadOptions) -> PointRecording:
-    """Return the points of a table whose cells are *rows*; positions are in the unit of its columns, if they say one.
-
-    Raises:
-        UnusableFileError: If it is not a table of points, or damaged.
-    """
+    """Return the points of a table of *rows*, in the unit of its columns, if any, or raise an UnusableFileError."""
     header = _titles(rows)
     if rows[0][0].strip().lower() == _DEEPLABCUT[0]:
         return _of_deeplabcut(name, rows, options)

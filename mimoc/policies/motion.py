@@ -120,17 +120,10 @@ class MotionPolicy:
     """
 
     def __init__(self, env: Infant, motion: JointMotion, root: Root = "free"):
-        """Bind it to an infant.
+        """Bind a motion to an infant with motors or muscles and all its joints; *root* may be `assisted` by a wrench.
 
-        Args:
-            env: The infant, with motors or muscles, and all joints of the motion.
-            motion: The motion.
-            root: `free`, or `assisted` by a wrench at the root, which is reported.
-
-        Raises:
-            MimocError: If the infant lacks a joint of the motion, or it is shorter than a control step.
-            ControlError: If the infant has servos.
-            UnknownNameError: If there is no such way for the root to move.
+        Raises a ControlError for servos, and a MimocError if a joint is missing, or the motion is shorter than a
+        control step.
         """
         check_name("way for the root to move", root, get_args(Root))
         self._env, self._motion, self._root = env, motion, root

@@ -101,12 +101,9 @@ class NetworkPolicy:
         """Control steps after which an episode of its training was truncated; None if that is not known."""
 
     def __call__(self, generator: Any, observation: Mapping[str, npt.NDArray[Any]]) -> FloatArray:
-        """Return the action for an observation, shape (n,), or those for k of them, shape (k, n).
+        """Return the action for an observation, shape (n,), or for k of them, which have a leading axis, (k, n).
 
-        The arrays of k observations have a leading axis of k; *generator* is not used.
-
-        Raises:
-            PolicyError: If an action is not finite.
+        Raises a PolicyError if an action is not finite; *generator* is not used.
         """
         parts = []
         for name, shape in self._shapes.items():

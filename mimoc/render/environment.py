@@ -27,12 +27,7 @@ def available_modes() -> list[str]:
 
 
 def check_rendering(mode: object, width_px: object, height_px: object) -> None:
-    """Check how an environment is to show itself.
-
-    Raises:
-        UnknownNameError: If there is no such render mode.
-        ValueError: If pictures cannot have this size.
-    """
+    """Raise an UnknownNameError for a render mode, or a ValueError for a size that pictures cannot have."""
     if mode is not None:
         check_name("render mode", mode, MODES)
     for size_px in (width_px, height_px):

@@ -151,14 +151,9 @@ def read_groups(
 ) -> tuple[list[Switch], frozenset[str]]:
     """Return the switches of regions and the single groups that these enable; add notes on what has no counterpart.
 
-    Args:
-        settings: The configuration.
-        prefix: Prefix of the keys, such as `act_`.
-        states: Description of a disabled and of an enabled group.
-        default: Value of a group without a switch.
-        merge: How to combine the switches of a group's parts: `any` or `all`.
-        beside: Keys with the same prefix that are not switches.
-        always: Groups that are enabled whatever the switches are.
+    Keys begin with *prefix*, such as `act_`, but for *beside*, which are no switches; *states* describe a disabled and
+    an enabled group, *merge* (`any` or `all`) combines the switches of a group's parts, and *always* are enabled in any
+    case.
     """
     switched = []
     for key in settings.keys(prefix):

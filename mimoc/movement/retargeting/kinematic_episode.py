@@ -35,10 +35,8 @@ def record_motion(
 ) -> None:
     """Record a motion in a new or empty folder.
 
-    Raises:
-        MimocError: If the infant lacks a joint of the motion, or its task ends its episodes before the motion.
-        RecordingError: If it cannot be recorded there.
-        RenderingError: If the infant has vision, and there is no OpenGL here.
+    Raises a MimocError if the infant lacks a joint of it or its task ends before it, and a RecordingError or
+    RenderingError.
     """
     env = InfantEnv(bundle)
     try:

@@ -45,15 +45,8 @@ def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float 
 
     For the angle t, rays to neck, shoulders and hips meet the floor at z_k(t), complex numbers; those of the average
     child who lies are w_k. Their distance is min_a |a z(t) - w|, the median over frames d(t), over the trunk's length;
-    the likelihood of t is exp(-d(t)^2 / (2 sd^2)), with the SD of proportions of bodies.
-
-    Args:
-        recording: The recording.
-        model: The child that the fit starts from.
-        given_deg: The angle, if it is known.
-
-    Raises:
-        RecordingError: If the angle is impossible, or the trunk were above the horizon then.
+    the likelihood of t is exp(-d(t)^2 / (2 sd^2)), with the SD of proportions of bodies. Raises a RecordingError if the
+    angle is impossible, or the trunk were above the horizon then.
     """
     if given_deg is not None:
         if recording.unit == "m":

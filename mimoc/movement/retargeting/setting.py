@@ -238,10 +238,8 @@ def interpolated(x: FloatArray, every: int, frames: int) -> FloatArray:
 def child_of(setting: Setting, logs: FloatArray) -> tuple[Child, float]:
     """Return the compiled child with the sizes that were fitted, and by which factor all of them were changed then.
 
-    This is 1 unless the spec gives the length and the recording tells of proportions only.
-
-    Raises:
-        SpecError: If there is no such child.
+    This is 1 unless the spec gives the length and the recording tells of proportions only. Raises a SpecError if there
+    is no such child.
     """
     base = lengths_of(setting.child.model)
     names = [size.name for size in setting.sizes]

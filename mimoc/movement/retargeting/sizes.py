@@ -79,12 +79,9 @@ def compile_child(spec: InfantSpec) -> Child:
 
 
 def starting_spec(spec: InfantSpec | None, age_months: float | None, name: str) -> InfantSpec:
-    """Return the spec that a fit starts from: the average child's, lying on its back, or the given one of that age.
+    """Return the spec that a fit starts from: the average child's, on its back, or the given one of that age.
 
-    One of the two must be given.
-
-    Raises:
-        SpecError: If the age is not one of an infant's.
+    One of the two must be given, or the age is refused by a SpecError.
     """
     if spec is not None:
         return spec if age_months in (None, spec.age_months) else spec.with_(age_months=age_months)

@@ -70,11 +70,8 @@ class Behaviour:
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angle that each of its joints is to go to, shape (m,), [rad].
 
-        It is asked anew for joints to which commands take longer, in the state in which these act.
-
-        Args:
-            ahead: The state in which the command takes effect, as far as it can be predicted, with all derived from it.
-            time_s: Time since the episode began.
+        It is asked anew for joints to which commands take longer, each time in the state in which the command takes
+        effect, as far as it can be predicted.
         """
         raise NotImplementedError
 

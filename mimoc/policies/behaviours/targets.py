@@ -40,11 +40,8 @@ def find_target(subject: Subject, behaviour: str, word: str) -> Target:
     """Return what a word means: `toy`, the name of a toy, an object or any body in the scene, or a place `(x, y, z)`.
 
     A place is in metres. A part of the infant's own body is named as if it were alone (`head`), one of another infant
-    as in the model (`ben_head`); the name of an infant alone (`ben`) means its head.
-
-    Raises:
-        PolicyError: If it is no place, or there is no toy.
-        UnknownNameError: If nothing has this name.
+    as in the model (`ben_head`); the name of an infant alone (`ben`) means its head. Raises a PolicyError without a toy
+    or for a wrong place, and an UnknownNameError.
     """
     if (place := place_of(word)) is not None:
         return Target((), np.array(place))

@@ -122,16 +122,9 @@ class ReachController:
     """Makes all commanded hands reach for one target each, and the eyes look at one of the targets."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest, gains: ReachGains | None = None):
-        """Bind the controller to an infant, whose hands keep their positions until `aim` is called.
+        """Bind to an infant with motors or muscles, or raise a ControlError; hands stay until `aim` is called.
 
-        Args:
-            model: The infant and its world.
-            data: Its state, which each call reads.
-            manifest: Manifest of its bundle; it must have motors or muscles.
-            gains: Gains of hands and eyes; None means gentle ones for an infant that sits freely, else strong ones.
-
-        Raises:
-            ControlError: If the infant has servos, or no commanded hand.
+        Without *gains*, they are gentle for an infant that sits freely, else strong.
         """
         self._model, self._data, self._manifest = model, data, manifest
         self._trunk, self._places = trunk_of(manifest.anatomy, model), ReachableTargets(model, manifest)

@@ -80,11 +80,7 @@ class Body:
         """Return the forces that bring an acceleration about where nothing touches, and the limits of those there are.
 
         Actuators are brought to rest first. The forces of all degrees of freedom have shape (nv,), the limits of the
-        joints' torques shape (n, 2), [N m].
-
-        Args:
-            acceleration: Shape (nv,).
-            direction: Speeds, shape (nv,), against which dry friction acts.
+        joints' torques shape (n, 2), [N m]. Dry friction acts against speeds *direction*, shape (nv,).
         """
         model, data = self.model, self.data
         limits_nm = self.torques.rest(model, data)
@@ -260,14 +256,9 @@ def with_margin(model: mujoco.MjModel, near_m: float = NEAR_M) -> mujoco.MjModel
 def unsupported(
     model: mujoco.MjModel, data: mujoco.MjData, is_own: npt.NDArray[np.bool_], root: int, wrench: FloatArray
 ) -> FloatArray:
-    """Return what is left over of a wrench, shape (6,).
+    """Return what is left over of a wrench, shape (6,), on a body in a model `with_margin`, with contacts.
 
-    Args:
-        model: The infant and its world, with a margin; see `with_margin`.
-        data: Its state, with contacts.
-        is_own: Which bodies are the infant's, shape (bodies,).
-        root: Body of the root.
-        wrench: Force in the world's frame [N], and torque in the body's [N m], about its origin, shape (6,).
+    Its force is in the world's frame [N], its torque in the body's [N m], about its origin.
     """
     pushes = _pushes(model, data, is_own, root)
     if not len(pushes):

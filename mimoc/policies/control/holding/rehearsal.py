@@ -55,10 +55,8 @@ class Rehearsal:
     def __call__(self, data: mujoco.MjData, propose: Propose) -> FloatArray:
         """Return the commands to send now, shape (m,).
 
-        Args:
-            data: The present state.
-            propose: Says where hinges go; it is asked once for each delay, in the state in which the commands with that
-                delay begin to act. The first time it is asked for all hinges, later for those alone.
+        *propose*, which says where hinges go, is asked once for each delay, in the state in which the commands with
+        that delay begin to act: the first time for all hinges, later for those alone.
         """
         ahead, late, total = self._copied(data), self._late, np.zeros(len(self._actuators))
         advance, target_rad = mujoco.mj_step, np.empty(0)
