@@ -72,9 +72,7 @@ class Reference:
         published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in same.densities_kg_m3.items()}
         body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
         return replace(
-            same,
-            head_gain=head_share(same.age_months) * body_kg / published_kg["head"],
-            foot_height=_foot_height(same),
+            same, head_gain=head_share(same.age_months) * body_kg / published_kg["head"], foot_height=_foot_height(same)
         )
 
 

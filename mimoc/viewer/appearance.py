@@ -36,10 +36,7 @@ def describe_materials(model: mujoco.MjModel) -> dict[str, Any]:
             for index in range(model.nmat)
         ],
         "textures": [
-            {
-                "cube": bool(model.tex_type[index] == mujoco.mjtTexture.mjTEXTURE_CUBE),
-                "png": _png(model, index),
-            }
+            {"cube": bool(model.tex_type[index] == mujoco.mjtTexture.mjTEXTURE_CUBE), "png": _png(model, index)}
             for index in used
         ],
     }

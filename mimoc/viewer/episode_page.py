@@ -68,10 +68,7 @@ def page_of_recording(
 
 
 def describe_episode(
-    recording: ReadRecording,
-    episode: Episode,
-    progress: Progress = lambda *_: None,
-    alone: Bundle | None = None,
+    recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None, alone: Bundle | None = None
 ) -> tuple[dict[str, Any], str | None, mujoco.MjModel]:
     """Return what a page knows of an episode, which is simulated again.
 

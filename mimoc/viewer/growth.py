@@ -70,11 +70,7 @@ def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -
         """Return an array of a model at each age, of what is the infant's."""
         return np.stack([getattr(model, name)[getattr(infant, kind)] for model, infant in at_ages])
 
-    return {
-        "ages_months": list(ages_months),
-        **_anatomy(*at_ages[0], by_age),
-        "poses": dict(_poses(variants, parts)),
-    }
+    return {"ages_months": list(ages_months), **_anatomy(*at_ages[0], by_age), "poses": dict(_poses(variants, parts))}
 
 
 def _anatomy(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:

@@ -58,11 +58,7 @@ def _model(variant: Variant) -> dict[str, Any]:
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
     bare = {name: _bare(content.decode()) for name, content in files.items() if name.endswith(".xml")}
     needed = {name: bare.get(name, files[name]) for name in files if name.endswith((".xml", ".obj", ".stl", ".msh"))}
-    return {
-        "age_months": variant.bundle.manifest.child.age_months,
-        "scene": _bare(scene),
-        "files": needed,
-    }
+    return {"age_months": variant.bundle.manifest.child.age_months, "scene": _bare(scene), "files": needed}
 
 
 def _bare(mjcf: str) -> bytes:

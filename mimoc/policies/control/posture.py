@@ -74,10 +74,7 @@ class Posture:
     """
 
     def __init__(
-        self,
-        angles_rad: Mapping[str, float] | None = None,
-        joints: Sequence[str] | None = None,
-        gains: Gains = HOLDING,
+        self, angles_rad: Mapping[str, float] | None = None, joints: Sequence[str] | None = None, gains: Gains = HOLDING
     ):
         """Create the posture.
 

@@ -139,11 +139,7 @@ class DrivenInfant:
         return float(low), float(high)
 
     def placed(
-        self,
-        pitch_deg: float,
-        angles_deg: Mapping[str, float],
-        above_m: float = 0.0,
-        into: mujoco.MjData | None = None,
+        self, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0, into: mujoco.MjData | None = None
     ) -> mujoco.MjData:
         """Return a posture at rest, its lowest point on the floor or above it.
 
