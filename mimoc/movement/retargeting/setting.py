@@ -12,7 +12,6 @@ from mimoc.movement.retargeting import prior
 from mimoc.movement.retargeting.banded import BoolArray
 from mimoc.movement.retargeting.contacts import contacts_of, spheres_of
 from mimoc.movement.retargeting.fitting import Problem, State
-from mimoc.movement.retargeting.hinges import combined_limits, hinges_of
 from mimoc.movement.retargeting.observations import Observed, camera_from_world
 from mimoc.movement.retargeting.pitch import Pitch, pitch_of
 from mimoc.movement.retargeting.postures import likely_postures
@@ -28,7 +27,16 @@ from mimoc.movement.retargeting.sizes import (
     matched,
     shape_of,
 )
-from mimoc.movement.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, carrying, matrix_of
+from mimoc.movement.retargeting.skeleton import (
+    ROOT,
+    Hinges,
+    Shape,
+    Skeleton,
+    carrying,
+    combined_limits,
+    hinges_of,
+    matrix_of,
+)
 from mimoc.movement.retargeting.start import TRUNK, Start, start_of
 
 THIN_HZ = 7.5
