@@ -481,7 +481,7 @@ def is_measured(kind: Kind, folder: Path) -> None:
 
 def has_its_movement_measured(kind: Kind, folder: Path) -> None:
     """From points of the body in a recording that is simulated again."""
-    path = recorded(kind, folder, steps=330)
+    path = recorded(kind, folder, steps=3 if kind is ON_DEVICE else 330)
     films = list(film_recording(path))
     assert len(films) == mimoc.read_recording(path).infants
     assert all(mimoc.measure_movement(film.seen)["kicks_per_min"] >= 0 for film in films)
