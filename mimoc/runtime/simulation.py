@@ -423,7 +423,9 @@ class Simulation:
         roots = [infant.manifest.root_body for infant in self.infants.values()]
         if depths := overlaps(self.bare, self.data, roots):
             first, second = ([*self.infants][index] for index in next(iter(depths)))
-            raise MimocError(f"'{first}' and '{second}' are within each other as they start; reset to other poses or ages")
+            raise MimocError(
+                f"'{first}' and '{second}' are within each other as they start; reset to other poses or ages"
+            )
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         """Restore a state of the infants that are bound, which is not kept."""

@@ -87,15 +87,15 @@ def starts_at_an_age(kind: Kind, folder: Path) -> None:
 
 ROOM = {"kind": "room", "toys": {"subset": ["ball"], "count": [1, 1]}}
 EMPTY = {"kind": "room", "toys": {"count": [0, 0]}}
-"""All scenes of infants on a device must have as many things."""
+"""Scenes of infants on a device must have as many things as each other: those of the seeds 0 and 5 have."""
 
 
 def starts_in_another_scene(kind: Kind, folder: Path) -> None:
     with kind.open(scene=EMPTY if kind is ON_DEVICE else ROOM, is_of_spec=True) as here:
         here.reset(seed=0)
         before = here.infants[0].bundle
-        here.reset(seed=0, scene_seed=7)
-        assert {infant.manifest.seed for infant in here.infants} == {7}
+        here.reset(seed=0, scene_seed=5)
+        assert {infant.manifest.seed for infant in here.infants} == {5}
         assert here.infants[0].bundle.files != before.files
 
 
