@@ -12,13 +12,13 @@ import numpy as np
 
 from mimoc.base.errors import MovementError
 from mimoc.base.units import ms_to_s
-from mimoc.bundle.io import LOCK, Bundle, digests
+from mimoc.bundle.io import LOCK, digests
 from mimoc.compiler import pipeline
 from mimoc.movement.filming import Film
 from mimoc.movement.measured import measure_movement
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.sample import distance
-from mimoc.policies.policy import Policy, start_again
+from mimoc.policies.policy import start_again
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
@@ -90,9 +90,45 @@ def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
     with closing(InfantEnv(bundle)) as env:
         act = bound_policy(env, policy)
         for number in range(episodes):
-            _run_episode(env, act, bench_table().seeds.test[0] + number, tally, film=cell.row.likeness)
+            seed = bench_table().seeds.test[0] + number
+            generator, seen, paths_m = np.random.default_rng(seed), Film(), list[FloatArray]()
+            observation, _ = env.reset(seed=seed)
+            start_again(act)
+            limbs = (*env.manifest.anatomy.arms, *env.manifest.anatomy.legs)
+            ends = [env.model.body(limb.end).id for limb in limbs if limb.end]
+            total, ended, success = 0.0, False, False
+            while not ended:
+                if cell.row.likeness:
+                    seen.watch(env)
+                observation, reward, terminated, truncated, info = env.step(act(generator, observation))
+                total, ended, success = total + float(reward), terminated or truncated, bool(info["is_success"])
+                tally.efforts.append(env.effort())
+                tally.states.update(env.data.qpos.tobytes() + env.data.qvel.tobytes())
+                paths_m.append(env.data.xipos[ends].copy())
+            tally.returns.append(total)
+            tally.successes += success
+            step_s, places_m = ms_to_s(env.manifest.step_ms), np.array(paths_m)
+            for limb in range(len(ends)):
+                tally.movements += movements_in(places_m[:, limb], step_s)
+            if cell.row.likeness:
+                tally.distances += _distance(seen)
         has_goal = env.manifest.task.kind != NO_GOAL
-    return _scores(bundle, tally, has_goal=has_goal)
+    count = len(tally.returns)
+    inside = digests({name: content for name, content in bundle.files.items() if name != LOCK})
+    return CellScores(
+        bundle=f"sha256:{sha256(json.dumps(inside).encode()).hexdigest()}",
+        episodes=count,
+        successes=tally.successes if has_goal else None,
+        success=tally.successes / count if has_goal else None,
+        success_95=wilson_interval(tally.successes, count) if has_goal else None,
+        mean_return=math.fsum(tally.returns) / count,
+        returns=tuple(tally.returns),
+        effort=math.fsum(tally.efforts) / len(tally.efforts),
+        arc_length=_mean([one.arc_length for one in tally.movements]),
+        jerk=_mean([one.jerk for one in tally.movements]),
+        likeness=_mean(tally.distances),
+        states=f"sha256:{tally.states.hexdigest()}",
+    )
 
 
 def wilson_interval(successes: int, count: int) -> tuple[float, float]:
@@ -122,55 +158,12 @@ def movements_in(path_m: FloatArray, step_s: float) -> list[Movement]:
     return [one for one in movements if one.speed_m_s.max() > UNIT_M_S]
 
 
-def _run_episode(env: InfantEnv, act: Policy, seed: int, tally: _Tally, *, film: bool) -> None:
-    generator, seen, paths_m = np.random.default_rng(seed), Film(), list[FloatArray]()
-    observation, _ = env.reset(seed=seed)
-    start_again(act)
-    limbs = (*env.manifest.anatomy.arms, *env.manifest.anatomy.legs)
-    ends = [env.model.body(limb.end).id for limb in limbs if limb.end]
-    total, ended, success = 0.0, False, False
-    while not ended:
-        if film:
-            seen.watch(env)
-        observation, reward, terminated, truncated, info = env.step(act(generator, observation))
-        total, ended, success = total + float(reward), terminated or truncated, bool(info["is_success"])
-        tally.efforts.append(env.effort())
-        tally.states.update(env.data.qpos.tobytes() + env.data.qvel.tobytes())
-        paths_m.append(env.data.xipos[ends].copy())
-    tally.returns.append(total)
-    tally.successes += success
-    step_s, places_m = ms_to_s(env.manifest.step_ms), np.array(paths_m)
-    for limb in range(len(ends)):
-        tally.movements += movements_in(places_m[:, limb], step_s)
-    if film:
-        tally.distances += _distance(seen)
-
-
 def _distance(film: Film) -> list[float]:
     """Return the distance of an episode to real infants; nothing of one that is too short to be measured."""
     try:
         return [distance(measure_movement(film.develop("episode").seen), real_infants())]
     except MovementError:
         return []
-
-
-def _scores(bundle: Bundle, tally: _Tally, *, has_goal: bool) -> CellScores:
-    count = len(tally.returns)
-    inside = digests({name: content for name, content in bundle.files.items() if name != LOCK})
-    return CellScores(
-        bundle=f"sha256:{sha256(json.dumps(inside).encode()).hexdigest()}",
-        episodes=count,
-        successes=tally.successes if has_goal else None,
-        success=tally.successes / count if has_goal else None,
-        success_95=wilson_interval(tally.successes, count) if has_goal else None,
-        mean_return=math.fsum(tally.returns) / count,
-        returns=tuple(tally.returns),
-        effort=math.fsum(tally.efforts) / len(tally.efforts),
-        arc_length=_mean([one.arc_length for one in tally.movements]),
-        jerk=_mean([one.jerk for one in tally.movements]),
-        likeness=_mean(tally.distances),
-        states=f"sha256:{tally.states.hexdigest()}",
-    )
 
 
 def _mean(values: Sequence[float]) -> float | None:

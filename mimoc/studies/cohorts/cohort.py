@@ -13,7 +13,7 @@ from mimoc.policies.spec import parse_policy
 from mimoc.schema import source as sources
 from mimoc.schema.base import plain
 from mimoc.schema.cohort_file import COHORT, CohortSpec
-from mimoc.schema.cohort_steps import ExperimentStep, RunStep, StepSpec, TrainStep, step_of
+from mimoc.schema.cohort_steps import ExperimentStep, RunStep, TrainStep, step_of
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.reading import read_keys
 from mimoc.schema.source import Source
@@ -128,7 +128,20 @@ class Cohort:
         for index, item in enumerate(self.spec.do):
             name, step = step_of(item)
             try:
-                _check(step)
+                if isinstance(step, RunStep):
+                    parse_policy(step.policy)
+                elif isinstance(step, ExperimentStep):
+                    # Takes time to import, in each process that does jobs.
+                    from mimoc.studies.experiments import check_experiment
+
+                    check_experiment(step.name, step.development)
+                elif isinstance(step, TrainStep):
+                    from mimoc.training import growth_settings  # Needs Stable-Baselines3.
+                    from mimoc.training.settings import TrainingSettings
+
+                    growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
+                    settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
+                    TrainingSettings.choose(*settings, steps_per_episode=step.steps_per_episode)
             except MissingExtraError:
                 raise
             except MimocError as error:
@@ -278,19 +291,3 @@ def status_of(jobs: Iterable[Job], store: Store) -> Status:
         if result and not result.ok:
             failures.append(Failure(job, result.error, store.log(job)))
     return Status(counts, tuple(failures))
-
-
-def _check(step: StepSpec) -> None:
-    if isinstance(step, RunStep):
-        parse_policy(step.policy)
-    elif isinstance(step, ExperimentStep):
-        from mimoc.studies.experiments import check_experiment  # Takes time to import, in each process that does jobs.
-
-        check_experiment(step.name, step.development)
-    elif isinstance(step, TrainStep):
-        from mimoc.training import growth_settings  # Needs Stable-Baselines3.
-        from mimoc.training.settings import TrainingSettings
-
-        growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
-        settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
-        TrainingSettings.choose(*settings, steps_per_episode=step.steps_per_episode)

@@ -86,7 +86,7 @@ def run(notebook: Notebook) -> Path:
         forgetting=FORGETTING_S,
         table=_table(results),
         answer=_answer(results),
-        predictions=_predictions(results),
+        predictions=table_rows(direction_rows(_differences(results))),
     )
     forget_trials(notebook)
     return page
@@ -207,10 +207,6 @@ def _answer(results: Sequence[Result]) -> str:
         f"{len(results)} pairs. Kicks are counted within a minute, and come in bouts: {risen} of {len(results)} kick "
         f"more in the interaction than before, and {more} more than their partners."
     )
-
-
-def _predictions(results: Sequence[Result]) -> str:
-    return table_rows(direction_rows(_differences(results)))
 
 
 def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:

@@ -109,7 +109,9 @@ def run(notebook: Notebook) -> Path:
     write_reaches(notebook, reaches)
     by_setup = _learners(notebook, steps, runs, before, total)
     within = {name: _within_reach(same) for name, same in by_setup.items()}
-    setups = {name: _by_delay(same) for name, same in within.items()}
+    setups = {
+        name: {f"{delay_ms} ms": group for delay_ms, group in by_group(same).items()} for name, same in within.items()
+    }
     learners, groups = within[PAPER], setups[PAPER]
     first = [item for item in learners if item.seed == learners[0].seed]
     _write_tables(notebook, by_setup, first)
@@ -191,10 +193,6 @@ def _within_reach(learners: Sequence[Learner]) -> list[Learner]:
         replace(item, reaches=[reach for reach in item.reaches if not touched or reach.seed in touched])
         for item in learners
     ]
-
-
-def _by_delay(learners: Sequence[Learner]) -> Groups:
-    return {f"{delay_ms} ms": group for delay_ms, group in by_group(learners).items()}
 
 
 def _rows(groups: Groups) -> str:

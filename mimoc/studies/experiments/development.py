@@ -73,7 +73,9 @@ def run(notebook: Notebook) -> Path:
     strong = [item for law in LAWS for age in months for item in count(list(strengths(law, age)))]
     motors = _write_strengths(notebook, strong)
     rests = [count(rest(law, age)) for law in LAWS for age in months]
-    _write_rests(notebook, rests)
+    slumps = ",".join(f"slump_from_{lean:g}_deg" for lean in LEANS)
+    heading = f"development,age_months,hip_deg,knee_deg,elbow_deg,head_upright_deg,head_leaning_back_deg,{slumps}"
+    notebook.write_table("rest.csv", heading, map(_rest_cells, rests))
     sitters = tile_pictures([[count(try_to_sit(law, age)) for age in sitting] for law in LAWS], rows=LAWS)
     notebook.write_picture("sitting.png", encode_palette_png(sitters, COLOURS))
 
@@ -84,7 +86,9 @@ def run(notebook: Notebook) -> Path:
     reached = {name: {law: results[cases[law, name]].youngest_months for law in LAWS} for name in names}
     _write_milestones(notebook, results, reached)
     sensitivity = _vary({name: cases["maturing", name] for name in varied}, reached, searched)
-    _write_sensitivity(notebook, sensitivity)
+    rows = ((name, *item) for name, by_condition in sensitivity.items() for item in by_condition.items())
+    notebook.write_table("sensitivity.csv", "milestone,condition,age_months", rows)
+    notebook.write_picture("sensitivity.png", _rows_png([AgeRow(name, ages) for name, ages in sensitivity.items()]))
     page = notebook.write_page(
         None,
         milestones=_milestones(reached),
@@ -168,12 +172,6 @@ def _strengths(motors: Motors) -> str:
     return markdown_table(("law", "group", "motor", *ages), rows)
 
 
-def _write_rests(notebook: Notebook, rests: Sequence[Rest]) -> None:
-    slumps = ",".join(f"slump_from_{lean:g}_deg" for lean in LEANS)
-    heading = f"development,age_months,hip_deg,knee_deg,elbow_deg,head_upright_deg,head_leaning_back_deg,{slumps}"
-    notebook.write_table("rest.csv", heading, map(_rest_cells, rests))
-
-
 def _rest_cells(rested: Rest) -> tuple[Any, ...]:
     *numbers, slumps_deg = astuple(rested)
     return *numbers, *slumps_deg
@@ -235,12 +233,6 @@ def _milestones(reached: Reached) -> str:
 
 def _months(age_months: float | None) -> str:
     return "not reached" if age_months is None else f"{age_months:g}"
-
-
-def _write_sensitivity(notebook: Notebook, sensitivity: Reached) -> None:
-    rows = ((name, *item) for name, by_condition in sensitivity.items() for item in by_condition.items())
-    notebook.write_table("sensitivity.csv", "milestone,condition,age_months", rows)
-    notebook.write_picture("sensitivity.png", _rows_png([AgeRow(name, ages) for name, ages in sensitivity.items()]))
 
 
 def _sensitivity(reached: Reached, sensitivity: Reached) -> str:

@@ -7,7 +7,6 @@ from typing import Literal
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.body.poses import Pose, resting_state
@@ -126,7 +125,10 @@ def lying(
 
 def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) -> Effort:
     joint = env.model.joint(behaviour.joint)
-    action = _maximum_action(env, behaviour)
+    muscle = f"{behaviour.actuator}_{'positive' if behaviour.direction > 0 else 'negative'}"
+    wanted = {behaviour.actuator: behaviour.direction, muscle: 1}
+    actuators = env.manifest.actuation.actuators
+    action = np.array([wanted.get(actuator.name, 0) for actuator in actuators], np.float32)
     angles_rad = [float(env.data.qpos[joint.qposadr[0]])]
     for _ in range(STEPS):
         env.step(action)
@@ -139,14 +141,6 @@ def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) ->
         angle_deg=behaviour.direction * np.degrees(angles_rad),
         end_deg=float(np.degrees((behaviour.direction * joint.range).max())),
     )
-
-
-def _maximum_action(env: InfantEnv, behaviour: Behaviour) -> npt.NDArray[np.float32]:
-    """Return the action that commands only the actuator of a behaviour, at its maximum."""
-    muscle = f"{behaviour.actuator}_{'positive' if behaviour.direction > 0 else 'negative'}"
-    wanted = {behaviour.actuator: behaviour.direction, muscle: 1}
-    actuators = env.manifest.actuation.actuators
-    return np.array([wanted.get(actuator.name, 0) for actuator in actuators], np.float32)
 
 
 GROUPS = {

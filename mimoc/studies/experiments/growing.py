@@ -66,7 +66,35 @@ def run(notebook: Notebook) -> Path:
     groups = by_group(learners)
     with closing(InfantEnv(bundle)) as env:
         untrained = evaluate(env, "random", balls, seed=FIRST_BALL)
-    _write_tables(notebook, learners, steps)
+    notebook.write_table(
+        "learning.csv",
+        "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return",
+        (
+            (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
+            for item in learners
+            for done, cells in item.learning()
+        ),
+    )
+    notebook.write_table(
+        "checks.csv",
+        "schedule,seed,steps,ball,success,time_s,episode_return",
+        (
+            (item.group, item.seed, done, *_outcome(reach))
+            for item in learners
+            for done, reaches in item.checks.items()
+            for reach in reaches
+        ),
+    )
+    notebook.write_table(
+        "reaches.csv",
+        "schedule,seed,ball,success,time_s,episode_return",
+        ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
+    )
+    notebook.write_table(
+        "final.csv",
+        "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return",
+        map(_final_cells, learners),
+    )
     notebook.write_plots("growing.png", list(_plots(groups, untrained, steps)))
     return notebook.write_page(
         None,
@@ -206,38 +234,6 @@ def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
     if ahead:
         return f"The natural order of ages was better by both measures than `{'`, `'.join(ahead)}` only."
     return "That the natural order of ages is better than another is not shown by both measures."
-
-
-def _write_tables(notebook: Notebook, learners: Sequence[Learner], steps: int) -> None:
-    notebook.write_table(
-        "learning.csv",
-        "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return",
-        (
-            (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
-            for item in learners
-            for done, cells in item.learning()
-        ),
-    )
-    notebook.write_table(
-        "checks.csv",
-        "schedule,seed,steps,ball,success,time_s,episode_return",
-        (
-            (item.group, item.seed, done, *_outcome(reach))
-            for item in learners
-            for done, reaches in item.checks.items()
-            for reach in reaches
-        ),
-    )
-    notebook.write_table(
-        "reaches.csv",
-        "schedule,seed,ball,success,time_s,episode_return",
-        ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
-    )
-    notebook.write_table(
-        "final.csv",
-        "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return",
-        map(_final_cells, learners),
-    )
 
 
 def _outcome(reach: Episode) -> tuple[Cell, ...]:

@@ -166,7 +166,20 @@ def run(notebook: Notebook) -> Path:
         by_case[case].append(result)
     notebook.write_plots("regard.png", list(_plots(by_case, months)))
     notebook.write_picture("views.png", _views(months))
-    page = notebook.write_page(None, "scipy", **_numbers(by_case, months, len(seeds), seconds))
+    page = notebook.write_page(
+        None,
+        "scipy",
+        months=", ".join(f"{age_months:g}" for age_months in months),
+        seeds=len(seeds),
+        seconds=seconds,
+        size=SIZE_PX,
+        fovy=VISION["fovy_deg"],
+        on_deg=ON_DEG,
+        near_deg=NEAR_DEG,
+        mobiles=table_rows(_mobile_rows(by_case)),
+        hands=table_rows(_hand_rows(by_case)),
+        answer=_answer(by_case),
+    )
     forget_trials(notebook)
     return page
 
@@ -317,24 +330,6 @@ def _plots(by_case: Mapping[Case, Sequence[Result]], months: Sequence[float]) ->
     published = Dots(HEAD_CAMERA_MONTHS, [100 * HEAD_CAMERA_SHARE] * 2, "head cameras, any hands (from memory)")
     lines, bands = zip(*hands, strict=True)
     yield Plot(AGE, SHARE, lines, bands, (published,), title="A hand of its own is before the eyes")
-
-
-def _numbers(
-    by_case: Mapping[Case, Sequence[Result]], months: Sequence[float], seeds: int, seconds: float
-) -> dict[str, object]:
-    """Return what the page says."""
-    return {
-        "months": ", ".join(f"{age_months:g}" for age_months in months),
-        "seeds": seeds,
-        "seconds": seconds,
-        "size": SIZE_PX,
-        "fovy": VISION["fovy_deg"],
-        "on_deg": ON_DEG,
-        "near_deg": NEAR_DEG,
-        "mobiles": table_rows(_mobile_rows(by_case)),
-        "hands": table_rows(_hand_rows(by_case)),
-        "answer": _answer(by_case),
-    }
 
 
 def _mobile_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:

@@ -15,7 +15,6 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
 from mimoc.compiler.looks.pictures import encode_palette_png
-from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.scenes.footprint import reachable_floor
 from mimoc.compiler.toys.placing import ReachableFloor
@@ -96,7 +95,8 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
     start = next(keyframe for keyframe in room.keyframes if keyframe.name == builder.spec.scene.pose)
     reach = reachable_floor(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
     assert reach is not None
-    heading_rad = _heading_rad(start)
+    w, x, y, z = start.qpos[3:7]
+    heading_rad = math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
     furniture = room.world.furniture
     halves_m = {geom.name: geom.size_m for geom in furniture.geoms}
     names = [geom.name for geom in furniture.geoms]
@@ -112,12 +112,6 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
         reach=reach,
         toys=tuple(_relative_place(toy, reach, heading_rad) for toy in furnished.toys),
     )
-
-
-def _heading_rad(start: Keyframe) -> float:
-    """Return the direction of the hip's x axis in the horizontal plane."""
-    w, x, y, z = start.qpos[3:7]
-    return math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
 
 
 def _relative_place(toy: FreeObject, reach: ReachableFloor, heading_rad: float) -> ToyPlace:

@@ -64,8 +64,27 @@ def run(notebook: Notebook) -> Path:
         share=SHARE,
         tries=TRIES_PER_MIN,
         practice=PRACTICE,
-        table=_table(steps, by_age),
-        changes=_changes(steps, by_age),
+        table=table_rows(
+            (
+                f"{age:g}",
+                f"{1000 * leg_kg(age):.0f}",
+                *(interval(_of(steps[cases["plain"]], measure)).text(1) for measure in MEASURES),
+                *(interval(_of(steps[cases["reflex"]], measure)).text(1) for measure in (RATE, LIFT)),
+            )
+            for age, cases in by_age.items()
+        ),
+        changes=table_rows(
+            (
+                f"{age:g}",
+                measure.label,
+                *(
+                    change_text(relative_changes(steps[cases["plain"]], steps[cases[name]], measure.name))
+                    for name in ("weights", "water", "practised")
+                ),
+            )
+            for age, cases in by_age.items()
+            for measure in (RATE, LIFT)
+        ),
         answer=_answer(steps, by_age),
         loaded=LOADED_MONTHS,
     )
@@ -95,33 +114,6 @@ def _rows(steps: Steps, seeds: Sequence[int]) -> Iterator[tuple[float | str, ...
 
 def _of(values: Values, measure: Quantity) -> list[float]:
     return [measures[measure.name] for measures in values]
-
-
-def _table(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str:
-    return table_rows(
-        (
-            f"{age:g}",
-            f"{1000 * leg_kg(age):.0f}",
-            *(interval(_of(steps[cases["plain"]], measure)).text(1) for measure in MEASURES),
-            *(interval(_of(steps[cases["reflex"]], measure)).text(1) for measure in (RATE, LIFT)),
-        )
-        for age, cases in by_age.items()
-    )
-
-
-def _changes(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str:
-    return table_rows(
-        (
-            f"{age:g}",
-            measure.label,
-            *(
-                change_text(relative_changes(steps[cases["plain"]], steps[cases[name]], measure.name))
-                for name in ("weights", "water", "practised")
-            ),
-        )
-        for age, cases in by_age.items()
-        for measure in (RATE, LIFT)
-    )
 
 
 def _answer(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str:

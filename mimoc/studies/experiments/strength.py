@@ -78,13 +78,6 @@ def _shown(efforts: Iterable[Effort]) -> list[Effort]:
     return [effort for effort in efforts if effort.age_months in PAPER_MONTHS]
 
 
-def _ages_rows(shown: Sequence[Effort]) -> str:
-    return table_rows(
-        (f"{head.age_months:g}", _time(head), f"{head.peak_deg:.1f}", _time(leg), f"{leg.peak_deg:.1f}")
-        for head, leg in zip(*(_of(shown, behaviour) for behaviour in BEHAVIOURS), strict=True)
-    )
-
-
 def _muscle_rows(muscle: Sequence[Effort]) -> str:
     """Return the time to 60 degrees with the strength of the age, and with that of 18 months."""
     times = {(effort.age_months, effort.strength_age_months, effort.behaviour): _time(effort) for effort in muscle}
@@ -134,7 +127,10 @@ def run(notebook: Notebook) -> Path:
         leg_end=torque[1].end_deg,
         overshoot=max(effort.peak_deg - effort.end_deg for effort in torque),
         laws=_laws(torque),
-        ages=_ages_rows(shown),
+        ages=table_rows(
+            (f"{head.age_months:g}", _time(head), f"{head.peak_deg:.1f}", _time(leg), f"{leg.peak_deg:.1f}")
+            for head, leg in zip(*(_of(shown, behaviour) for behaviour in BEHAVIOURS), strict=True)
+        ),
         target_deg=TARGET_DEG,
         full_size=FULL_SIZE_MONTHS,
         size_ages=", ".join(ages),

@@ -89,7 +89,26 @@ def run(notebook: Notebook) -> Path:
     groups = [values[start : start + len(seeds)] for start in range(0, len(values), len(seeds))]
     kicks: Kicks = dict(zip(cases, groups[: len(cases)], strict=True))
     steps: Steps = dict(zip(step_cases, groups[len(cases) :], strict=True))
-    _write_tables(notebook, kicks, steps, seeds)
+    notebook.write_table(
+        "weights.csv",
+        "weeks,weight_kg,drive,seed,measure,value",
+        (
+            (case.weeks, case.weight_kg, case.gain, seed, name, value)
+            for case, group in kicks.items()
+            for seed, values in zip(seeds, group, strict=True)
+            for name, value in values.items()
+        ),
+    )
+    notebook.write_table(
+        "steps.csv",
+        "age_months,weight_kg,water,seed,measure,value",
+        (
+            (case.age_months, case.weight_kg, float(case.water), seed, name, value)
+            for case, group in steps.items()
+            for seed, values in zip(seeds, group, strict=True)
+            for name, value in values.items()
+        ),
+    )
     notebook.write_plots("weights.png", list(_plots(kicks)))
     page = notebook.write_page(
         None,
@@ -210,29 +229,6 @@ def _step_table(steps: Steps, weeks: Sequence[float], seconds: float) -> str:
 
 def _verdict(shown: str, asked: str) -> str:
     return "unclear" if shown == "unclear" else "yes" if shown == asked else "no"
-
-
-def _write_tables(notebook: Notebook, kicks: Kicks, steps: Steps, seeds: Sequence[int]) -> None:
-    notebook.write_table(
-        "weights.csv",
-        "weeks,weight_kg,drive,seed,measure,value",
-        (
-            (case.weeks, case.weight_kg, case.gain, seed, name, value)
-            for case, group in kicks.items()
-            for seed, values in zip(seeds, group, strict=True)
-            for name, value in values.items()
-        ),
-    )
-    notebook.write_table(
-        "steps.csv",
-        "age_months,weight_kg,water,seed,measure,value",
-        (
-            (case.age_months, case.weight_kg, float(case.water), seed, name, value)
-            for case, group in steps.items()
-            for seed, values in zip(seeds, group, strict=True)
-            for name, value in values.items()
-        ),
-    )
 
 
 def _plots(kicks: Kicks) -> Iterator[Plot]:

@@ -229,7 +229,8 @@ def run_searches(
     for _ in results:
         finished()
     for case, result in _searched(processes, _search, [case for case in cases if case not in results]):
-        _write(folder, case, result)
+        data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
+        keep(_file(folder, case), data, below=folder)
         results[case] = result
         finished()
     return {case: results[case] for case in cases}
@@ -258,11 +259,6 @@ class _SearchFile(Model):
     youngest_months: Real | None
     tried: tuple[tuple[Real, Outcome], ...]
     """Ages in months, and what came of them."""
-
-
-def _write(folder: Path, case: Case, result: SearchResult) -> None:
-    data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
-    keep(_file(folder, case), data, below=folder)
 
 
 def _read(folder: Path, case: Case) -> SearchResult | None:

@@ -173,7 +173,9 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
         time_s = step * step_s
         if attempt.apparatus:
             attempt.apparatus(data, time_s)
-        data.xfrc_applied[chest, :3] = _push_n(attempt, conditions, time_s)
+        now = [push for push in attempt.pushes if push.start_s <= time_s < push.start_s + push.duration_s]
+        size_n = conditions.push * attempt.infant.weight_n
+        data.xfrc_applied[chest, :3] = size_n * np.sum([push.direction for push in now], axis=0) if now else np.zeros(3)
         data.ctrl[:] = controls(step)
         mujoco.mj_step(model, data)
         if watch:
@@ -217,10 +219,3 @@ def _delayed(infant: TrialInfant, gains: Servo, data: mujoco.MjData, target: Tar
         return arrived
 
     return controls
-
-
-def _push_n(attempt: Attempt, conditions: Conditions, time_s: float) -> FloatArray:
-    """Return the force on the chest at some time, shape (3,)."""
-    now = [push for push in attempt.pushes if push.start_s <= time_s < push.start_s + push.duration_s]
-    size_n = conditions.push * attempt.infant.weight_n
-    return size_n * np.sum([push.direction for push in now], axis=0) if now else np.zeros(3)

@@ -97,7 +97,10 @@ def with_rod(spec: InfantSpec, hand: Hand) -> TrialInfant:
         scene.delete(key)
     rod = scene.worldbody.add_body(name=ROD, quat=_turned_to(hand.axis))
     for number, name in enumerate("xyz"):
-        axis = _into_rod(hand.axis, np.eye(3)[number])
+        turned, back = np.zeros(3), np.zeros(4)
+        mujoco.mju_negQuat(back, np.array(_turned_to(hand.axis)))
+        mujoco.mju_rotVecQuat(turned, np.eye(3)[number], back)
+        axis = turned.tolist()
         slide = mujoco.mjtJoint.mjJNT_SLIDE
         rod.add_joint(name=f"{ROD}_{name}", type=slide, axis=axis, damping=ROD_DAMPING)
     size = [RADIUS * hand.length_m, ROD_HALF_M, 0.0]
@@ -117,7 +120,10 @@ def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:
     for place in sorted(_places(hand), key=lambda place: float(np.linalg.norm(place - hand.knuckle_m))):
         data.qpos[-3:] = place
         mujoco.mj_kinematics(model, data)
-        if all(_gap_m(model, data, int(geom)) >= CLEAR_M for geom in parts):
+        if all(
+            float(mujoco.mj_geomDistance(model, data, model.geom(ROD).id, int(geom), FAR_M, None)) >= CLEAR_M
+            for geom in parts
+        ):
             mujoco.mj_forward(model, data)
             return data
     return None
@@ -130,11 +136,6 @@ def _places(hand: Hand) -> Iterator[FloatArray]:
             offset = along * hand.to_wrist + out * hand.out_of_palm
             if offset @ hand.to_fingers > 0:
                 yield hand.knuckle_m + hand.length_m * offset
-
-
-def _gap_m(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> float:
-    """Return the distance of the rod to a geom, as far as it is below some."""
-    return float(mujoco.mj_geomDistance(model, data, model.geom(ROD).id, geom, FAR_M, None))
 
 
 def _solids(model: mujoco.MjModel, finger: int) -> tuple[IntArray, IntArray]:
@@ -170,11 +171,3 @@ def _turned_to(axis: FloatArray) -> list[float]:
     quat = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
     length = float(np.linalg.norm(quat))
     return (quat / length).tolist() if length > 1e-6 else [0.0, 1.0, 0.0, 0.0]
-
-
-def _into_rod(axis: FloatArray, vector: FloatArray) -> list[float]:
-    """Return a vector of the world in the frame of the rod."""
-    turned, back = np.zeros(3), np.zeros(4)
-    mujoco.mju_negQuat(back, np.array(_turned_to(axis)))
-    mujoco.mju_rotVecQuat(turned, vector, back)
-    return turned.tolist()

@@ -79,7 +79,10 @@ class Form:
         self.recipe, self.task, self.age_months = recipe, task, age_months
         self.joints = tuple(joints[place] for place in kept)
         self._start = np.clip(start[kept], -1.0, 1.0) if recipe.stiffness_per_rad else np.zeros(len(kept))
-        self._alike, self._opposite = _bases(self.joints)
+        one_side = np.eye(len(self.joints))[[place for place, joint in enumerate(self.joints) if "left_" not in joint]]
+        other_side = mirrored(self.joints, one_side)
+        alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
+        self._alike, self._opposite = alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]
         self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
         self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()
 
@@ -115,11 +118,3 @@ def _name(joint: str) -> str:
     """Return the name of a joint without `robot:` and side; of those of fingers, `fingers`."""
     name = joint.removeprefix("robot:").removeprefix("left_").removeprefix("right_")
     return "fingers" if name.partition("_")[0] in FINGERS else name
-
-
-def _bases(joints: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-    """Return postures in which both sides do the same, and in which they do the opposite, shape (b, n) each."""
-    one_side = np.eye(len(joints))[[place for place, joint in enumerate(joints) if "left_" not in joint]]
-    other_side = mirrored(joints, one_side)
-    alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
-    return alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]

@@ -128,7 +128,9 @@ def search(
     scale, first = searcher.form.scale(), FIRST_TRY * (seed + 1)
     mean, spread, kept, curve = np.zeros(len(scale)), scale.copy(), list[Candidate](), list[float]()
     rounds = max(1, int(tries * (1 - CHECKED)) // DRAWS)
-    while len(curve) < rounds and not any(_passes(candidate) for candidate in kept):
+    while len(curve) < rounds and not any(
+        (len(candidate.successes) >= CHECKS and candidate.success >= PASSED) for candidate in kept
+    ):
         lucky, again = (kept, []) if len(curve) < EXPLORED * rounds else ([], kept)
         draws = mean + spread * random.standard_normal((DRAWS - len(again), len(mean)))
         candidates = [*again, *(Candidate(draw) for draw in draws)]
@@ -144,10 +146,6 @@ def search(
     movement = searcher.form.movement(best.vector)
     success = searcher.success(movement, FIRST_TEST, starts)
     return Outcome(movement, success, tried + checked, tuple(curve))
-
-
-def _passes(candidate: Candidate) -> bool:
-    return len(candidate.successes) >= CHECKS and candidate.success >= PASSED
 
 
 def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tries: int) -> tuple[Candidate, int]:

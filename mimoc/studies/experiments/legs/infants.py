@@ -48,16 +48,24 @@ class Setup:
 def open_infant(setup: Setup) -> InfantEnv:
     """Return the environment of an infant, not yet reset; there is nothing else in its world."""
     bundle = bundle_of(setup)
-    scene = _scene(bundle)
+    xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
+    scene = mujoco.MjSpec.from_string(xml, include=files, assets=files)
     for side, mass_kg in zip(SIDES, (setup.left_kg, setup.right_kg), strict=True):
         if mass_kg:
-            _add_weight(scene, side, mass_kg)
+            ankle = scene.body(f"{side}_foot").pos  # Where the foot turns, in the frame of the shank.
+            ball = mujoco.mjtGeom.mjGEOM_SPHERE
+            scene.body(f"{side}_lower_leg").add_geom(
+                name=f"{side}_weight", type=ball, size=[0.01, 0, 0], pos=ankle, mass=mass_kg, contype=0, conaffinity=0
+            )
     if setup.tied:
         _add_mobile(scene, setup.tied)
     model = scene.compile()
     prepare(model)
     if setup.held:
-        _hold(model)
+        free = [f"robot:{side}_{joint}" for side in SIDES for joint in ("hip1", "knee", "foot1", "toes")]
+        held = np.ones(model.nv, bool)
+        held[[int(model.joint(name).dofadr[0]) for name in free]] = False
+        model.dof_armature[held] = HELD_ARMATURE
     return InfantEnv(Variant(bundle, model))
 
 
@@ -101,20 +109,6 @@ def bundle_of(setup: Setup) -> Bundle:
     return pipeline.build(InfantSpec.model_validate(spec))
 
 
-def _scene(bundle: Bundle) -> mujoco.MjSpec:
-    xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
-    return mujoco.MjSpec.from_string(xml, include=files, assets=files)
-
-
-def _add_weight(scene: mujoco.MjSpec, side: str, mass_kg: float) -> None:
-    """Tie a small weight, which touches nothing, to an ankle."""
-    ankle = scene.body(f"{side}_foot").pos  # Where the foot turns, in the frame of the shank.
-    ball = mujoco.mjtGeom.mjGEOM_SPHERE
-    scene.body(f"{side}_lower_leg").add_geom(
-        name=f"{side}_weight", type=ball, size=[0.01, 0, 0], pos=ankle, mass=mass_kg, contype=0, conaffinity=0
-    )
-
-
 def _add_mobile(scene: mujoco.MjSpec, side: str) -> None:
     """Hang a mobile on a springy arm above the hips, with a ribbon through a ring above it to an ankle.
 
@@ -131,11 +125,3 @@ def _add_mobile(scene: mujoco.MjSpec, side: str) -> None:
     ribbon = scene.add_tendon(name=RIBBON, limited=1, range=[0.0, 10.0])
     for site in (f"BODY_25:{side[0].upper()}Ankle", "ring", MOBILE):
         ribbon.wrap_site(site)
-
-
-def _hold(model: mujoco.MjModel) -> None:
-    """Let an apparatus hold all but the legs, which move forwards and backwards only."""
-    free = [f"robot:{side}_{joint}" for side in SIDES for joint in ("hip1", "knee", "foot1", "toes")]
-    held = np.ones(model.nv, bool)
-    held[[int(model.joint(name).dofadr[0]) for name in free]] = False
-    model.dof_armature[held] = HELD_ARMATURE

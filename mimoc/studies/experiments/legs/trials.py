@@ -61,20 +61,16 @@ def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
         for slot in waiting:
             finish(slot, _run(trials[slot]))
     else:
-        _run_side_by_side(trials, waiting, finish)
+        with process_pool(os.cpu_count() or 1) as pool:
+            running = {pool.submit(_run, trials[slot]): slot for slot in waiting}
+            for future in as_completed(running):
+                finish(running[future], future.result())
     return [results[slot] for slot in range(len(trials))]
 
 
 def forget_trials(notebook: Notebook) -> None:
     """Remove the results of an experiment that has ended, so that the next one begins anew."""
     remove(notebook.folder / FOLDER)
-
-
-def _run_side_by_side(trials: Sequence[Trial], waiting: Sequence[int], finish: Callable[[int, Result], None]) -> None:
-    with process_pool(os.cpu_count() or 1) as pool:
-        running = {pool.submit(_run, trials[slot]): slot for slot in waiting}
-        for future in as_completed(running):
-            finish(running[future], future.result())
 
 
 def _run(trial: Trial) -> Result:

@@ -75,7 +75,7 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
     squat, stand = (stance(infant, knee_deg, LEAN) for knee_deg in (DEEP_KNEE_DEG, 0.0))
     start, end = squat.qpos[infant.angles].copy(), stand.qpos[infant.angles].copy()
     forward_m = float(squat.body("left_foot").xpos[0] - stand.body("left_foot").xpos[0])
-    pitches = [_pitch_rad(data) for data in (squat, stand)]
+    pitches = [float(2 * np.arctan2(data.qpos[5], data.qpos[3])) for data in (squat, stand)]
     forbidden = infant.parts_without(FEET)
 
     def lead(data: mujoco.MjData, time_s: float) -> None:
@@ -100,11 +100,6 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
         target=lambda data, time_s: start + min(time_s / RISING_S, 1.0) * (end - start),
         apparatus=lead,
     )
-
-
-def _pitch_rad(data: mujoco.MjData) -> float:
-    """Return the rotation of the hip about y."""
-    return float(2 * np.arctan2(data.qpos[5], data.qpos[3]))
 
 
 PULL_TO_STAND = Trial("pull_to_stand", "rises from a squat to standing with its legs, balance given", _pulling_up, FEET)

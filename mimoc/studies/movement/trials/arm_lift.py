@@ -44,7 +44,7 @@ def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
             does weight, as newborns do that see their arm.
     """
     resting = settled(infant, SETTLING_S)
-    places = _addresses(infant)
+    places = [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]
     targets = _targets(infant, resting, places)
     data, step_s = again(infant, resting, moving=False), infant.model.opt.timestep
     data.act[:] = 0.0
@@ -77,10 +77,6 @@ def _torques(infant: TrialInfant, data: mujoco.MjData, pull_n: FloatArray) -> Fl
     jacobian = np.zeros((3, infant.model.nv))
     mujoco.mj_jacBodyCom(infant.model, data, jacobian, None, infant.model.body("left_hand").id)
     return np.asarray(pull_n @ jacobian[:, infant.dofs], np.float64)
-
-
-def _addresses(infant: TrialInfant) -> list[int]:
-    return [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]
 
 
 def _knuckles(infant: TrialInfant) -> str:

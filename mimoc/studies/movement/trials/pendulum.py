@@ -12,7 +12,6 @@ import numpy as np
 
 from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
@@ -57,18 +56,14 @@ def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[s
     hinge = held.model.joint(f"robot:{joint}").id
     arm_m = data.subtree_com[held.model.jnt_bodyid[hinge]] - data.xanchor[hinge]
     rest_deg = float(np.degrees(np.arctan2(np.hypot(arm_m[0], arm_m[1]), -arm_m[2])))
-    return _read(np.array(trace), rest_deg, held.model.opt.timestep)
-
-
-def _read(trace_deg: FloatArray, rest_deg: float, step_s: float) -> Swing:
-    """Return what the angles of a hinge over time, shape (n,), say."""
+    trace_deg = np.array(trace)
     offsets = trace_deg - trace_deg[-1]
     change = np.diff(offsets)
     turns = np.flatnonzero((change[:-1] * change[1:] <= 0) & (change[:-1] != 0)) + 1
     turns = turns[np.abs(offsets[turns]) > LEAST_DEG]
     way_deg = abs(float(offsets[0]))
     first_deg = abs(float(offsets[turns[0]] - offsets[0])) if len(turns) else way_deg
-    period_s = float(turns[1] * step_s) if len(turns) > 1 else None
+    period_s = float(turns[1] * held.model.opt.timestep) if len(turns) > 1 else None
     return Swing(len(turns) / 2, rest_deg, first_deg / way_deg if way_deg else 1.0, period_s)
 
 

@@ -82,7 +82,9 @@ def awake(infant: TrialInfant) -> Iterator[mujoco.MjData]:
     """Yield the state of an infant that lies awake and moves at random, after each physics step."""
     data, drive, step_s = settled(infant, SETTLING_AWAKE_S), Drive(infant), infant.model.opt.timestep
     names = infant.joint_names
-    steady = np.array([_steady(name) for name in names])
+    steady = np.array(
+        [(HIP_DRIVE if name.endswith("_hip1") else KNEE_DRIVE if name.endswith("_knee") else 0.0) for name in names]
+    )
     random, noise = np.random.default_rng(SEED), np.zeros(len(names))
     for _ in range(round(AWAKE_S / step_s)):
         noise += -noise * step_s / CORRELATED_S
@@ -95,10 +97,6 @@ def awake(infant: TrialInfant) -> Iterator[mujoco.MjData]:
 def _awake(subject: Subject) -> Values:
     lengths = [leg_length(data) for step, data in enumerate(awake(subject.infant)) if step % EVERY == 0]
     return {"awake_leg": float(np.median(lengths))}
-
-
-def _steady(joint: str) -> float:
-    return HIP_DRIVE if joint.endswith("_hip1") else KNEE_DRIVE if joint.endswith("_knee") else 0.0
 
 
 REST = MovementTrial(

@@ -66,18 +66,14 @@ class Roller:
         postures = [data.qpos[angles].copy(), *(middle + half * sequence.reshape(POSTURES, -1))]
         shares, every = np.zeros(len(infant.joints)), round(EVERY_S / model.opt.timestep)
         for command in range(round(ROLLING_S / EVERY_S)):
-            target = _between(postures, command * EVERY_S)
+            time_s = command * EVERY_S
+            number = min(int(time_s / POSTURE_S), POSTURES - 1)
+            share = min((time_s - number * POSTURE_S) / MOVING_S, 1.0)
+            target = postures[number] + share * (postures[number + 1] - postures[number])
             shares[self.moved] = STIFFNESS * (target - data.qpos[angles] - DAMPING_S * data.qvel[dofs])
             data.ctrl[:] = drive.controls(data, np.clip(shares, -1.0, 1.0))
             mujoco.mj_step(model, data, every)
         return min(-elevation_deg(data, body) for body in (infant.pushed, model.body("hip").id))
-
-
-def _between(postures: list[FloatArray], time_s: float) -> FloatArray:
-    """Return the target at a time: the posture of the moment, or on the way to it from the one before."""
-    number = min(int(time_s / POSTURE_S), POSTURES - 1)
-    share = min((time_s - number * POSTURE_S) / MOVING_S, 1.0)
-    return postures[number] + share * (postures[number + 1] - postures[number])
 
 
 def search_roll(infant: TrialInfant, rounds: int = ROUNDS, seed: int = 0) -> tuple[float, int]:
