@@ -27,17 +27,13 @@ from mimoc.studies.bench.table import babybench_spec, bench_table
 SELF_TOUCH, HAND_REGARD = "self_touch", "hand_regard"
 EPISODES, STEPS, RANDOM_STEPS = 10, 1000, 10
 """Episodes of an evaluation, control steps of each, and random steps that come before an episode."""
-MOST_LOGS = 10_000
-"""Of so many last episodes is the score."""
-GEOMS = 34
-"""Geoms of BabyBench's infant that either hand can touch."""
-HALF_FIELD_DEG = 15.0
-"""Angle at the eye within which a hand counts as looked at."""
+MOST_LOGS = 10_000  # Of so many last episodes is the score.
+GEOMS = 34  # Geoms of BabyBench's infant that either hand can touch.
+HALF_FIELD_DEG = 15.0  # Angle at the eye within which a hand counts as looked at.
 SIDES = "right", "left"
 PAIRS = tuple((eye, hand) for hand in SIDES for eye in SIDES)
 
-Log = Mapping[str, Any]
-"""What is logged of an episode, by BabyBench's keys."""
+Log = Mapping[str, Any]  # What is logged of an episode, by BabyBench's keys.
 
 
 class BabyBenchResults(Model):
@@ -200,7 +196,6 @@ def run_babybench(
 
 
 def _begun(env: InfantEnv, behaviour: str, *, looked: bool = False) -> Sequence[TouchLog | RegardLog]:
-    """Return what logs an episode that begins: what BabyBench logs, and beside hand regard, that in sight."""
     loggers = [TouchLog(env)] if behaviour == SELF_TOUCH else [RegardLog(env), RegardLog(env, in_sight=True)]
     if looked:
         _look(loggers)

@@ -16,8 +16,7 @@ from mimoc.policies.spec import parse_policy
 from mimoc.runtime.env import InfantEnv
 from mimoc.studies.bench.table import Cell
 
-MOST_BYTES = 2**29
-"""Of a file of a policy that results name: 512 MB, as of any policy."""
+MOST_BYTES = 2**29  # Of a file of a policy that results name: 512 MB, as of any policy.
 
 
 def text_for(text: str, cell: Cell) -> str:

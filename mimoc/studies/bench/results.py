@@ -112,7 +112,6 @@ def _success(scores: CellScores | None) -> str:
 
 
 def _mean(entry: BenchResults, name: str) -> float | None:
-    """Return the mean of a score over the tasks and ages that have it."""
     values = [value for scores in entry.scored.values() if (value := getattr(scores, name)) is not None]
     return math.fsum(values) / len(values) if values else None
 

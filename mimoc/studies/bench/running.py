@@ -19,10 +19,8 @@ from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.processes import process_pool
 
 LIBRARIES = ("mujoco", "numpy")
-Progress = Callable[[int, int], None]
-"""Called with the number of episodes done and their total."""
-Job = tuple[Cell, str, int]
-"""A cell, the policy for it, and how many episodes there are."""
+Progress = Callable[[int, int], None]  # Called with the number of episodes done and their total.
+Job = tuple[Cell, str, int]  # A cell, the policy for it, and how many episodes there are.
 
 
 @takes("the name of a policy", str)
@@ -167,7 +165,6 @@ def checked_file(out: str | Path) -> Path:
 
 
 def _check_fit(jobs: Sequence[Job]) -> None:
-    """Bind the policy to each infant, before anything takes time or is written."""
     for cell, text, _ in jobs:
         with closing(InfantEnv(pipeline.build(cell.spec))) as env:
             env.reset(seed=bench_table().seeds.test[0])

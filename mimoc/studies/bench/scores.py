@@ -27,12 +27,10 @@ from mimoc.studies.bench.entrant import bound_policy
 from mimoc.studies.bench.table import Cell, bench_table
 from mimoc.studies.experiments.sensed_reaching import UNIT_M_S, Movement
 
-Z_95 = 1.959963984540054
-"""Quantile of the standard normal distribution for intervals of 95 %."""
+Z_95 = 1.959963984540054  # Quantile of the standard normal distribution for intervals of 95 %.
 WINDOW_S = 2.0
 """Length of the parts of an episode of which each is one movement, since smoothness depends on how many there are."""
-NO_GOAL = "free"
-"""The kind of task that nobody succeeds in."""
+NO_GOAL = "free"  # The kind of task that nobody succeeds in.
 
 
 class CellScores(Model):
@@ -159,7 +157,6 @@ def movements_in(path_m: FloatArray, step_s: float) -> list[Movement]:
 
 
 def _distance(film: Film) -> list[float]:
-    """Return the distance of an episode to real infants; nothing of one that is too short to be measured."""
     try:
         return [distance(measure_movement(film.develop("episode").seen), real_infants())]
     except MovementError:

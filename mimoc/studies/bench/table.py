@@ -15,8 +15,7 @@ from mimoc.schema.source import FileKind
 from mimoc.schema.yaml_document import dump
 
 FILE = Path(__file__).with_name("tasks.yaml")
-BABYBENCH_MONTHS = 18.0
-"""Age of MIMo's body, which BabyBench has."""
+BABYBENCH_MONTHS = 18.0  # Age of MIMo's body, which BabyBench has.
 
 
 class BenchTask(Model):

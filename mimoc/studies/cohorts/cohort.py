@@ -24,8 +24,7 @@ from mimoc.studies.cohorts.run_jobs import failed_result
 from mimoc.studies.cohorts.store import Store
 from mimoc.studies.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
 
-Progress = Callable[[int, int], None]
-"""Called with the number of jobs done and their total."""
+Progress = Callable[[int, int], None]  # Called with the number of jobs done and their total.
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,7 +234,6 @@ class Cohort:
 
 
 def _store(out: str | Path) -> Store:
-    """Return the folder of a cohort; raise a MimocError if it is none."""
     store = Store(Path(out).expanduser())
     store.check()
     return store

@@ -21,10 +21,8 @@ from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
 from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
 
-MAX_INFANTS = 1_000_000
-"""Infants of one cohort: a million take 3 GB of memory."""
-Place = tuple[str | int, ...]
-"""Path in the cohort file of a value that was chosen."""
+MAX_INFANTS = 1_000_000  # Infants of one cohort: a million take 3 GB of memory.
+Place = tuple[str | int, ...]  # Path in the cohort file of a value that was chosen.
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +110,6 @@ def _check_number(cohort: CohortSpec, source: Source) -> None:
 
 
 def _choices(cohort: CohortSpec, children: int) -> Iterator[DesignRow]:
-    """Yield what the design chooses, the children outermost."""
     numbers: Sequence[int | None] = range(children) if children else (None,)
     if isinstance(cohort.design, SampleDesign):
         yield from _sampled(cohort, cohort.design, numbers)
@@ -240,8 +237,7 @@ RATE_SD = 0.18
 """Standard deviation of the logarithm of the rate of maturation, which is correlated with nothing (D): fitted to WHO's
 standard deviation of the age of sitting, 1.1 months, with what size and fat add to it."""
 
-_FURTHEST = 1e-9
-"""Smallest probability of a tail that is drawn from, so that no draw is infinite."""
+_FURTHEST = 1e-9  # Smallest probability of a tail that is drawn from, so that no draw is infinite.
 
 
 def draw_children(wanted: DrawnChildren) -> tuple[IndividualSpec, ...]:

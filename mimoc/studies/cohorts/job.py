@@ -22,8 +22,7 @@ from mimoc.schema.infant import to_data
 from mimoc.studies.cohorts.infants import CohortInfant
 from mimoc.version import __version__
 
-WITHOUT_INFANT = ("experiment",)
-"""Steps that bring their own infants."""
+WITHOUT_INFANT = ("experiment",)  # Steps that bring their own infants.
 MAX_JOBS = 1_000_000
 
 
@@ -95,7 +94,6 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, s
 
 
 def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None]]:
-    """Yield name, options and seed of each step, one for each seed."""
     for item in cohort.do:
         name, chosen = step_of(item)
         options = chosen.model_dump(mode="json")
@@ -112,7 +110,6 @@ def _added_measures(step: str) -> tuple[str, ...]:
 
 
 def _policy_digest(path: Path) -> str:
-    """Return the digest of the file of a trained policy; raise a MimocError if it cannot be read."""
     try:
         return f"sha256:{sha256(path.read_bytes()).hexdigest()}"
     except OSError as error:
@@ -120,7 +117,6 @@ def _policy_digest(path: Path) -> str:
 
 
 def _text(data: Any) -> str:
-    """Return plain data as text, the same for the same data."""
     return json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False, default=dict)
 
 
@@ -171,7 +167,6 @@ def _beside(module: str, folder: str) -> ModuleSpec | None:
 
 @contextmanager
 def _found_in(folder: str) -> Iterator[None]:
-    """Let modules in a folder be found."""
     invalidate_caches()
     sys.path.insert(0, folder)
     try:

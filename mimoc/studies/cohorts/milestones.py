@@ -29,8 +29,7 @@ PUBLISHED_ODDS: Mapping[str, tuple[float, float, float]] = {
 }
 """Odds of a delay, relative to all others, and their 95 % interval, by group: each the uppermost tenth, by weight for
 length and by skinfolds. A delay was a score of motor development of more than one standard deviation below the mean."""
-UPPERMOST = NormalDist().inv_cdf(0.9)
-"""z-score from which on a child is of a group."""
+UPPERMOST = NormalDist().inv_cdf(0.9)  # z-score from which on a child is of a group.
 ALL = "all together"
 
 

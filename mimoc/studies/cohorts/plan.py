@@ -13,10 +13,8 @@ from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import ASSETS, Result, Store, size_bytes
 from mimoc.studies.cohorts.table import varied_options
 
-TRIAL_S = 30.0
-"""Longest trial of a step; a step that takes longer is counted as this long."""
-SHORT, LONG = 50, 150
-"""Control steps of two trial runs, whose difference says how long a step takes."""
+TRIAL_S = 30.0  # Longest trial of a step; a step that takes longer is counted as this long.
+SHORT, LONG = 50, 150  # Control steps of two trial runs, whose difference says how long a step takes.
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +150,6 @@ def _recorded_bytes(job: Job, trials: Sequence[Job], store: Store) -> float:
 
 
 def _rollouts(job: Job) -> tuple[int, int]:
-    """Return the control steps of one and of two rollouts of a training."""
     from mimoc.training.settings import TrainingSettings
 
     named = {name: job.options[name] for name in ("algo", "steps", "envs", "checkpoint_every", "hyper")}

@@ -17,8 +17,7 @@ from mimoc.bundle.shared_files import SharedFiles
 from mimoc.schema.cohort_file import MOST_BYTES, MarkFile, ResultFile
 from mimoc.studies.cohorts.job import Job
 
-MARK = "cohort.json"
-"""File that says that a folder is a cohort's."""
+MARK = "cohort.json"  # File that says that a folder is a cohort's.
 RESULTS, ASSETS = "results", "assets"
 FOLDERS = (RESULTS, "logs", "bundles", "runs", ASSETS)
 PROVENANCE = "provenance.json"
@@ -186,7 +185,6 @@ class Store:
             raise BundleError(str(error)) from None
 
     def _place(self, kind: str, job: Job, suffix: str) -> Path:
-        """Return the path of a file of a job: a folder for each 256th, since file systems are slow with large ones."""
         return self.folder / kind / job.key[:2] / f"{job.key}{suffix}"
 
 
@@ -214,8 +212,7 @@ def size_bytes(folder: Path) -> int:
 
 
 STEPS = ("build", "check", "run", "train", "experiment", "python")
-MOST_BYTES_IN_ALL = 2**30
-"""Of all results; 1 GB. Those of a million jobs have less."""
+MOST_BYTES_IN_ALL = 2**30  # Of all results; 1 GB. Those of a million jobs have less.
 _FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
 """Names of folders of results, and of results; of those that are being written they begin with a dot."""
 
@@ -249,7 +246,6 @@ def _results(files: RegularFiles) -> Iterator[PurePosixPath]:
 
 
 def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
-    """Return what is in a folder; None if it is a link, or not a folder."""
     try:
         return files.names(folder.as_posix())
     except UnusableFileError:
@@ -257,7 +253,6 @@ def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
 
 
 def _job(files: RegularFiles, path: PurePosixPath) -> Job:
-    """Return the job in the file of a result; raise an UnusableFileError if it is in none."""
     file = parse_json(files.read(path.as_posix(), MOST_BYTES) or b"", ResultFile)
     if path != PurePosixPath(RESULTS, file.job[:2], f"{file.job}.json"):
         raise UnusableFileError("is the result of another job")
@@ -266,7 +261,6 @@ def _job(files: RegularFiles, path: PurePosixPath) -> Job:
 
 
 def _place(job: Job) -> tuple[Any, ...]:
-    """Return what jobs are sorted by."""
     step = STEPS.index(job.step) if job.step in STEPS else len(STEPS)
     factors = tuple((name, _order(value)) for name, value in sorted(job.factors.items()))
     return step, job.step, factors, _order(job.seed), job.key

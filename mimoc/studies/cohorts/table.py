@@ -15,10 +15,8 @@ from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import Result, Store
 
 CSV, PARQUET = "table.csv", "table.parquet"
-COLUMNS = ("job", "step", "seed", "status", "error", "log")
-"""Columns that every table has."""
-MISSING = "missing"
-"""Status of a job that is not done yet."""
+COLUMNS = ("job", "step", "seed", "status", "error", "log")  # Columns that every table has.
+MISSING = "missing"  # Status of a job that is not done yet.
 
 Cell = str | bool | int | float | None
 Rows = Sequence[Mapping[str, Cell]]
@@ -119,7 +117,6 @@ def varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:
 
 
 def _cell(value: Any) -> Cell:
-    """Return a value as a cell: lists and sections as JSON."""
     return json.dumps(value, sort_keys=True) if isinstance(value, (list, tuple, Mapping)) else value
 
 

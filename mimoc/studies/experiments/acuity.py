@@ -25,11 +25,9 @@ from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import Measured
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
 
-WIDTH_PX, HEIGHT_PX = 8, 2048
-"""Size of an image of horizontal bars: fine enough for the acuity at two years."""
+WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enough for the acuity at two years.
 FOVY_DEG = VisionSpec().fovy_deg
-MEAN, AMPLITUDE = 127.5, 120.0
-"""Mean and amplitude of a grating's brightness, in a range of 0 to 255."""
+MEAN, AMPLITUDE = 127.5, 120.0  # Mean and amplitude of a grating's brightness, in a range of 0 to 255.
 SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
 """Spatial frequencies of the gratings relative to the acuity."""
 
@@ -74,20 +72,13 @@ def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
 PROFILE = VisionSpec().acuity_profile
-SEED = 4
-"""Seed of the room."""
-SIDE = "left"
-"""Side of the eye."""
-DOWN_DEG = 35.0
-"""Downward gaze, towards the toys."""
-SIZE_PX, QUICK_SIZE_PX = 176, 64
-"""Size of each view."""
-MIDDLE_TIMES = 4
-"""Magnification of the middle of the view in the last row."""
-COLOURS = 256
-"""Number of colours of the figure, which makes its file a third as large."""
-FOVEATION = "strength of the foveation that is shown"
-"""Name of the paper's figure."""
+SEED = 4  # Seed of the room.
+SIDE = "left"  # Side of the eye.
+DOWN_DEG = 35.0  # Downward gaze, towards the toys.
+SIZE_PX, QUICK_SIZE_PX = 176, 64  # Size of each view.
+MIDDLE_TIMES = 4  # Magnification of the middle of the view in the last row.
+COLOURS = 256  # Number of colours of the figure, which makes its file a third as large.
+FOVEATION = "strength of the foveation that is shown"  # Name of the paper's figure.
 HALF = 0.5
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
@@ -114,7 +105,6 @@ def run(notebook: Notebook) -> Path:
 
 
 def _measured(measured: Sequence[Transfer]) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     half = min(measured, key=lambda item: abs(item.frequency_cpd / item.acuity_cpd - HALF))
     acuities = {
         f"acuity at {age:g} month{'s' * (age != 1)} [cycles/degree], `mimo_v2`": acuity_at(age, "mimo_v2")
@@ -152,7 +142,6 @@ def _sheet(development: Development, size_px: int) -> bytes:
 
 
 def _middle(picture: Picture, size_px: int) -> Picture:
-    """Return the middle of a square image, shape (size, size, 3)."""
     start = (len(picture) - size_px) // 2
     return picture[start : start + size_px, start : start + size_px]
 

@@ -18,14 +18,11 @@ from mimoc.schema.names import Development
 from mimoc.studies.experiments.notebook import Notebook, page_text, table_rows
 from mimoc.studies.experiments.sensed_reaching import REACH_SHARE, Reach, reach_once
 
-DELAYS_MS: Sequence[float] = (0, 50, 200)
-"""Delays of the senses, the paper's."""
-MOTOR_MS = 5.0
-"""Delay of commands, the paper's."""
+DELAYS_MS: Sequence[float] = (0, 50, 200)  # Delays of the senses, the paper's.
+MOTOR_MS = 5.0  # Delay of commands, the paper's.
 AGE_MONTHS, STEP_MS = 18.0, 10.0
 OTHER_LAW: Mapping[Development, Development] = {"published": "maturing", "maturing": "published"}
-SEED = 1
-"""Seed of the targets, which are in the same directions in all variants."""
+SEED = 1  # Seed of the targets, which are in the same directions in all variants.
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +56,7 @@ VARIANTS: Sequence[Variant] = (
     Variant("high gains, 9 months old", age_months=9.0),
     Variant("high gains, the other law", other_law=True),
 )
-PLOTTED = ("high gains", "low gains")
-"""Variants whose first reach is plotted."""
+PLOTTED = ("high gains", "low gains")  # Variants whose first reach is plotted.
 MEASURES: Mapping[str, Callable[[Reach], float]] = {
     "duration_s": lambda reach: reach.duration_s,
     "movement_units": lambda reach: reach.units,
@@ -68,8 +64,7 @@ MEASURES: Mapping[str, Callable[[Reach], float]] = {
     "peak_speed_m_s": lambda reach: float(reach.speed_m_s.max()),
 }
 """Measures of a reach, by the heading of their column."""
-Reaches = Mapping[tuple[Variant, float], Sequence[Reach]]
-"""By variant and delay."""
+Reaches = Mapping[tuple[Variant, float], Sequence[Reach]]  # By variant and delay.
 
 
 def infant(variant: Variant, development: Development, delay_ms: float) -> InfantSpec:
@@ -168,7 +163,6 @@ def ataxia_text(reaches: Reaches, most_s: float) -> str:
 
 
 def _products(delay_ms: float) -> str:
-    """Return approach rate times delay of each controller, the largest first."""
     late_s = ms_to_s(delay_ms + MOTOR_MS)
     hands = [(name, gains.hands) for name, gains in GAIN_SETS.items()]
     return ", ".join(f"{gain.strength / gain.viscosity_per_s * late_s:.2g} ({name})" for name, gain in hands[::-1])

@@ -25,17 +25,13 @@ from mimoc.studies.experiments.notebook import Notebook, table_rows
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 60.0, "interaction": 180.0, "still_face": 60.0, "reunion": 60.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 20.0, "interaction": 40.0, "still_face": 20.0, "reunion": 20.0}
-COMPARED_S = 60.0
-"""The end of a phase, by which it is judged."""
-BIN_S = 20.0
-"""Width of the bins of curves."""
+COMPARED_S = 60.0  # The end of a phase, by which it is judged.
+BIN_S = 20.0  # Width of the bins of curves.
 SEEDS, QUICK_SEEDS = range(6), range(2)
-AROUSAL = 0.9
-"""That of the infant under a mobile, of the experiment `mobile`."""
+AROUSAL = 0.9  # That of the infant under a mobile, of the experiment `mobile`.
 DELAY_MS, PAUSE_MS = 400.0, 1500.0
 """From a kick to the answer, and from then to the next: as long as a smile lasts; assumptions."""
-PARTNER = 1000
-"""Added to the seed of the infant that is answered as another one was."""
+PARTNER = 1000  # Added to the seed of the infant that is answered as another one was.
 ATTENTION = 0.001
 """Reward of a face that looks and does not smile, so that less than a smile is learnt from, too; a guess."""
 CONDITIONS = ("contingent", "yoked")
@@ -183,7 +179,6 @@ def _table(results: Sequence[Result]) -> str:
 
 
 def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
-    """Return what was asked, as a difference in each pair."""
     asked = {
         "kicks rise from baseline to interaction": ("contingent_interaction", "contingent_baseline"),
         "more kicks than of the yoked partner": ("contingent_interaction", "yoked_interaction"),
@@ -196,7 +191,6 @@ def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
 
 
 def _answer(results: Sequence[Result]) -> str:
-    """Return in how many pairs the infant that is answered kicks more than before, and than its partner."""
     rises, beyond = list(_differences(results).values())[:2]
     risen, more = (sum(value > 0 for value in values) for values in (rises, beyond))
     gains = [np.mean(values_of(results, f"{name}_leg_gain")) for name in CONDITIONS]

@@ -57,33 +57,24 @@ SETUPS: Mapping[str, Mapping[str, Any]] = {
 """Keys of a spec by the name of what is learned; the first is the paper's, of which there is a run for each seed."""
 TITLES = ("MIMo's ball", "a near ball", "a near ball, arms of a fifth of the strength")
 """The names of these in the report, in the same order."""
-PAPER = "mimo"
-"""Key of the paper's setup."""
-QUICK_VARIANTS = 1
-"""Number of variants of reaches that the smaller version tries."""
+PAPER = "mimo"  # Key of the paper's setup.
+QUICK_VARIANTS = 1  # Number of variants of reaches that the smaller version tries.
 AGE_MONTHS = 18
 STEPS, QUICK_STEPS = 500_000, 40_960
 """Control steps of each training run: the paper's, and a number that takes minutes."""
 SEEDS, QUICK_SEEDS = (1, 2), (1,)
-EPISODES = 50
-"""Number of reaches of each trained infant; all of them reach for the same balls."""
-SHOWN = 4
-"""Number of balls whose hand paths are plotted, for the infants of the first seed."""
-MONTHS: Sequence[float] = (4, 6, 9)
-"""Ages of the infants whose reaches are compared with those of real ones."""
-REACHES, QUICK_REACHES = 20, 4
-"""Number of reaches of each, with each delay."""
-REACH_S = 3.0
-"""Simulated time after which a reach is given up."""
+EPISODES = 50  # Number of reaches of each trained infant; all of them reach for the same balls.
+SHOWN = 4  # Number of balls whose hand paths are plotted, for the infants of the first seed.
+MONTHS: Sequence[float] = (4, 6, 9)  # Ages of the infants whose reaches are compared with those of real ones.
+REACHES, QUICK_REACHES = 20, 4  # Number of reaches of each, with each delay.
+REACH_S = 3.0  # Simulated time after which a reach is given up.
 
-Groups = Mapping[str, Sequence[Learner]]
-"""Trained infants by their sensory delay, as it is shown, the shortest first."""
+Groups = Mapping[str, Sequence[Learner]]  # Trained infants by their sensory delay, as it is shown, the shortest first.
 
 
 UNITS, DETOUR = (methodcaller("mean", measure) for measure in ("units", "path_ratio"))
 """Means of a learner's reaches after training."""
-ARC_LENGTH, JERK = (methodcaller("median", measure) for measure in ("arc_length", "jerk"))
-"""Medians of the same."""
+ARC_LENGTH, JERK = (methodcaller("median", measure) for measure in ("arc_length", "jerk"))  # Medians of the same.
 LESS_SMOOTH: Sequence[tuple[str, str, Callable[[Learner], float]]] = (
     ("more_units", "movement units", UNITS),
     ("longer_path", "path length", DETOUR),
@@ -158,7 +149,6 @@ def _runs(seeds: Sequence[int]) -> Iterator[tuple[str, float, int]]:
 def _learners(
     notebook: Notebook, steps: int, runs: Sequence[tuple[str, float, int]], before: int, total: int
 ) -> Mapping[str, Sequence[Learner]]:
-    """Return the trained infants by setup, after some steps of all."""
     learners: dict[str, list[Learner]] = {setup: [] for setup, _, _ in runs}
     for number, (setup, delay_ms, seed) in enumerate(runs):
         bundle = reaching(notebook.law, delay_ms, setup)
@@ -202,13 +192,11 @@ def _rows(groups: Groups) -> str:
 
 
 def _rising(groups: Groups, measure: Callable[[Learner], float]) -> bool:
-    """Return whether the mean of a measure is greater with each longer delay."""
     means = [fmean(map(measure, group)) for group in groups.values()]
     return all(before < after for before, after in pairwise(means))
 
 
 def _comparison(groups: Groups) -> dict[str, str]:
-    """Return the table of the page, and whether the results have the same order as the paper's."""
     measures = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {what: one for what, _, one in LESS_SMOOTH}
     verdicts = {what: "yes" if _rising(groups, measure) else "not in every case" for what, measure in measures.items()}
     return {"table": _rows(groups), **verdicts}
@@ -233,7 +221,6 @@ def _longer(groups: Groups, measure: Callable[[Learner], float]) -> str:
 
 
 def _measured(groups: Groups) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     success = min(learner.success_rate() for group in groups.values() for learner in group)
     return {
         "infants learn more slowly with each longer delay": _longer(groups, Learner.last_time_s),
@@ -243,7 +230,6 @@ def _measured(groups: Groups) -> Measured:
 
 
 def _setups_rows(setups: Mapping[str, Groups]) -> str:
-    """Return the rows of the table of all setups, by extreme delays."""
     titles = dict(zip(SETUPS, TITLES, strict=True))
     return table_rows(
         (titles[setup], delay, *_setup_cells(groups[delay][0]))

@@ -41,17 +41,13 @@ NAMES, QUICK_NAMES = tuple(TRIALS), ("prone_head", "no_head_lag")
 VARIED_NAMES = tuple(trial.name for trial in MILESTONES)
 MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
 QUICK_MONTHS: Sequence[float] = (0, 6, 18)
-COMPARED_MONTHS = 18
-"""Age of the reference body, whose strength is 1; one of `MONTHS` and of `QUICK_MONTHS`."""
+COMPARED_MONTHS = 18  # Age of the reference body, whose strength is 1; one of `MONTHS` and of `QUICK_MONTHS`.
 SITTING_MONTHS, QUICK_SITTING_MONTHS = (0, 3, 6, 9, 12, 18, 24), (0, 18)
 OLDEST_SHOWN_MONTHS = 18.0
-COLOURS = 128
-"""Number of colours of the pictures of infants."""
+COLOURS = 128  # Number of colours of the pictures of infants.
 
-Motors = Mapping[tuple[str, str, int], Sequence[Strength]]
-"""Strength by age, by law, actuator and direction."""
-Reached = Mapping[str, Mapping[str, float | None]]
-"""Youngest age, if it is reached, by trial and law or condition."""
+Motors = Mapping[tuple[str, str, int], Sequence[Strength]]  # Strength by age, by law, actuator and direction.
+Reached = Mapping[str, Mapping[str, float | None]]  # Youngest age, if it is reached, by trial and law or condition.
 
 
 def run(notebook: Notebook) -> Path:
@@ -126,7 +122,6 @@ def _vary(
 
 
 def _write_strengths(notebook: Notebook, measured: Sequence[Strength]) -> Motors:
-    """Write table and figure, and return the measurements by motor."""
     heading = "development,age_months,actuator,direction,torque_nm,moment_nm,ratio"
     notebook.write_table("strength.csv", heading, map(_strength_cells, measured))
     motors: dict[tuple[str, str, int], list[Strength]] = {}
@@ -178,7 +173,6 @@ def _rest_cells(rested: Rest) -> tuple[Any, ...]:
 
 
 def _rests(rests: Sequence[Rest]) -> dict[str, object]:
-    """Return what the page tells of the postures at rest."""
     headings = ("law", "months", "hip", "knee", "elbow", "head, upright", "head, leaning back")
     rows = (
         (law, f"{age_months:g}", *(f"{angle:.0f}" for angle in angles))

@@ -20,12 +20,10 @@ from mimoc.schema.names import Development
 
 Model = Literal["torque", "muscle"]
 
-STEP_MS = 5.0
-"""Duration of both control and physics steps, as in the paper."""
+STEP_MS = 5.0  # Duration of both control and physics steps, as in the paper.
 STEPS = 500
 SETTLING_STEPS = 400
-FLAT = Pose(pitch_deg=-90, angles_deg={}, relaxed=False)
-"""Lying on the back, all joints at zero."""
+FLAT = Pose(pitch_deg=-90, angles_deg={}, relaxed=False)  # Lying on the back, all joints at zero.
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,15 +25,11 @@ PATCH_M, ASIDE_M = 0.125, 0.12
 """Side of a square grating, as on the Teller Acuity Cards, and where its middle is, left or right of the card's."""
 BOARD_M = (1.2, 1.2)
 """Width and height of the card: all that is seen, so that contrast to it is contrast to the mean of a picture."""
-THICK_M, AHEAD_M = 0.001, 0.0005
-"""Half the thickness of card and grating, and how far the grating stands out."""
+THICK_M, AHEAD_M = 0.001, 0.0005  # Half the thickness of card and grating, and how far the grating stands out.
 TEXTURE_PX = 2048
-GREY, AMPLITUDE = 128, 127
-"""Mean and amplitude of the texture, of 255 levels."""
-EMISSION = 0.35
-"""Light of the card's own, with which its mean is about half of the brightest that a picture can hold."""
-MARGIN = 0.8
-"""Part of a patch, from its middle, that is looked at: what is around it is no part of the grating."""
+GREY, AMPLITUDE = 128, 127  # Mean and amplitude of the texture, of 255 levels.
+EMISSION = 0.35  # Light of the card's own, with which its mean is about half of the brightest that a picture can hold.
+MARGIN = 0.8  # Part of a patch, from its middle, that is looked at: what is around it is no part of the grating.
 WEIGHTS = np.array([RED, GREEN, BLUE])
 
 
@@ -112,7 +108,6 @@ class CardTrial:
         return Seen(self._contrasts(drawn), self._contrasts(observed))
 
     def _contrasts(self, pictures: Any) -> FloatArray:
-        """Return the contrasts of both sides, each the mean of both eyes."""
         of_eyes = list[list[float]]()
         for picture, windows in zip(pictures, self._windows, strict=True):
             height = len(picture)

@@ -31,29 +31,23 @@ from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 from mimoc.training.run_folder import CHECKPOINTS
 
-AGES_MONTHS = (6.0, 12.0)
-"""The youngest and the oldest age of the infants that learn; all are tested at the oldest."""
-EPISODE_STEPS = 1000
-"""Control steps after which a reach is given up (MIMo)."""
+AGES_MONTHS = (6.0, 12.0)  # The youngest and the oldest age of the infants that learn; all are tested at the oldest.
+EPISODE_STEPS = 1000  # Control steps after which a reach is given up (MIMo).
 STEPS, QUICK_STEPS = 245_760, 12_288
 """Control steps of each training run; docs/learning has reaching learnt in 200,000."""
 CHECKPOINT_EVERY, QUICK_CHECKPOINT_EVERY = 20_480, 6_144
 """Control steps between checkpoints, whose policies are tested too."""
 SEEDS, QUICK_SEEDS = (1, 2, 3), (1, 2)
-BALLS, QUICK_BALLS = 100, 5
-"""Number of balls for which each infant reaches after training; they are the same for all."""
-CHECK_BALLS, QUICK_CHECK_BALLS = 20, 2
-"""Number of these balls for which it reaches at each earlier checkpoint."""
+BALLS, QUICK_BALLS = 100, 5  # Number of balls for which each infant reaches after training; they are the same for all.
+CHECK_BALLS, QUICK_CHECK_BALLS = 20, 2  # Number of these balls for which it reaches at each earlier checkpoint.
 
-Groups = Mapping[str, Sequence[Learner]]
-"""Trained infants by schedule of growth."""
+Groups = Mapping[str, Sequence[Learner]]  # Trained infants by schedule of growth.
 MEASURES = {
     "time to touch after training": Learner.time_s,
     "time to touch over all checkpoints": Learner.time_over_checkpoints_s,
 }
 """What is compared; less is better."""
-COLUMNS = (Learner.success_rate, Learner.episode_return, *MEASURES.values())
-"""Columns of the table."""
+COLUMNS = (Learner.success_rate, Learner.episode_return, *MEASURES.values())  # Columns of the table.
 BETTER, WORSE, SAME = "better", "worse", "not distinguishable"
 
 
@@ -198,7 +192,6 @@ def _table(groups: Groups, untrained: Sequence[Episode]) -> str:
 
 
 def _compared(groups: Groups, other: str, measure: str) -> str:
-    """Return how `grown` compares with another schedule."""
     grown, others = _values(groups, "grown", measure), _values(groups, other, measure)
     if max(grown) < min(others):
         return BETTER
@@ -206,7 +199,6 @@ def _compared(groups: Groups, other: str, measure: str) -> str:
 
 
 def _change(groups: Groups, other: str, measure: str) -> float:
-    """Return by which share of the other's mean the mean of `grown` is greater."""
     return fmean(_values(groups, "grown", measure)) / fmean(_values(groups, other, measure)) - 1
 
 
@@ -215,7 +207,6 @@ def _values(groups: Groups, schedule: str, measure: str) -> list[float]:
 
 
 def _answer(comparisons: Mapping[str, str]) -> str:
-    """Return the answer to the question of the title, from the comparison with `adult`."""
     helped, harmed = ([name for name, outcome in comparisons.items() if outcome == which] for which in (BETTER, WORSE))
     if helped and harmed:
         return f"**Growing helped with {' and '.join(helped)}, and harmed {' and '.join(harmed)}.**"
@@ -227,7 +218,6 @@ def _answer(comparisons: Mapping[str, str]) -> str:
 
 
 def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
-    """Return whether the order of the ages mattered, from the comparisons with the same ages in other orders."""
     ahead = [name for name, outcomes in comparisons.items() if set(outcomes.values()) == {BETTER}]
     if len(ahead) == len(comparisons):
         return "The natural order of ages was better than every other by both measures."

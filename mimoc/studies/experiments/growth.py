@@ -57,7 +57,6 @@ def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
 
 
 def _measured(report: GrowthReport) -> Iterator[tuple[str, float | str]]:
-    """Yield what was measured of the paper's figures, by their names."""
     for row in report.rows:
         what = f"{NAMES[row.indicator]} at {row.age_months:g} month{'s' * (row.age_months != 1)}"
         yield f"{what} [{row.indicator.rpartition('_')[2]}]", row.value

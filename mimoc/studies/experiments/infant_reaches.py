@@ -20,8 +20,7 @@ from mimoc.studies.experiments.figures import yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, page_text, table_rows
 from mimoc.studies.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M, UNIT_M_S, Reach, reach_once
 
-OWN = "physiological"
-"""The delays of the infant's age."""
+OWN = "physiological"  # The delays of the infant's age.
 DELAYS: Mapping[str, Mapping[str, Any]] = {
     "none": {},
     OWN: {"preset": OWN},
@@ -30,10 +29,8 @@ DELAYS: Mapping[str, Mapping[str, Any]] = {
 }
 """By name, as in a spec; the longer ones are those of the senses, with the commands' own of the age."""
 NOISE: Mapping[str, Any] = {"motor": "maturing", "proprioception_deg": 1.0}
-JITTER_MS = 5.0
-"""Noise of all infants; jitter for those with delays. One degree and one physics step are guesses."""
-SEED = 1
-"""Seed of the targets, which are in the same directions at all ages."""
+JITTER_MS = 5.0  # Noise of all infants; jitter for those with delays. One degree and one physics step are guesses.
+SEED = 1  # Seed of the targets, which are in the same directions at all ages.
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +133,6 @@ def _reach_cells(reach: Reach) -> tuple[Cell, ...]:
 
 
 def _speeds(groups: Sequence[Group]) -> Iterator[Line]:
-    """Yield the speed in the reach of median duration of the youngest infant, with each delay."""
     for group in groups:
         if group.age_months == groups[0].age_months:
             durations_s = [reach.duration_s for reach in group.reaches]
@@ -150,8 +146,7 @@ def _by_age(groups: Sequence[Group], measure: str) -> Iterator[Line]:
         yield Line([group.age_months for group in same], medians, delay, "marked")
 
 
-LEAST_S = 0.4
-"""What reaches of infants last at least."""
+LEAST_S = 0.4  # What reaches of infants last at least.
 SMOOTHER = {"movement_units": -1, "path_ratio": -1, "spectral_arc_length": 1, "log_dimensionless_jerk": 1}
 """Measures of smoothness, and whether smoother movements have more (1) or less (-1) of them."""
 
@@ -215,7 +210,6 @@ def _of_own_delays(of_age: Sequence[Group]) -> dict[str, object]:
 
 
 def _smoothness(name: str, groups: Sequence[Group]) -> str:
-    """Return how a measure of smoothness changes with delay, and with age at the delays of each age."""
     smooth = {(group.age_months, group.delay): SMOOTHER[name] * group.median(MEASURES[name]) for group in groups}
     ages = sorted({age_months for age_months, _ in smooth})
     pairs = [(smooth[age, less], smooth[age, more]) for age in ages for less, more in pairwise(DELAYS)]

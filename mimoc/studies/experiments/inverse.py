@@ -21,15 +21,12 @@ from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
 
 AGE_MONTHS = 18
-TRIALS, QUICK_TRIALS = 10, 3
-"""Number of trials for each set of gains; the paper shows the mean of ten."""
+TRIALS, QUICK_TRIALS = 10, 3  # Number of trials for each set of gains; the paper shows the mean of ten.
 SECONDS, QUICK_SECONDS = 2.0, 1.0
-SEED = 1
-"""Seed of the targets, which are the same for all gains."""
+SEED = 1  # Seed of the targets, which are the same for all gains.
 REACHED_MM, ALIGNED_DEG = 5.0, 2.0
 """Mean errors at the end below which hands have reached their targets, and eyes look at them."""
-REPORTED_S = (0.25, 0.5, 1.0, 2.0)
-"""Times at which the table reports errors."""
+REPORTED_S = (0.25, 0.5, 1.0, 2.0)  # Times at which the table reports errors.
 
 HANDS = Quantity("hands_mm", "Distance of hands from targets", "mm")
 EYES = Quantity("eyes_deg", "Misalignment of eyes", "degrees")
@@ -69,7 +66,6 @@ def run(notebook: Notebook) -> Path:
 
 
 def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
-    """Yield the errors of reaching with each set of gains."""
     bundle = sitting(notebook.law)
     for number, (name, gains) in enumerate(GAIN_SETS.items()):
         progress = notebook.part(number * trials, trials, len(GAIN_SETS) * trials)
@@ -126,7 +122,6 @@ def _gains_rows() -> str:
 
 
 def _table(time_s: FloatArray, *both: Errors) -> str:
-    """Return mean and median of errors at some times."""
     indices = {at_s: int(np.argmin(np.abs(time_s - at_s))) for at_s in REPORTED_S if at_s <= time_s[-1] + 1e-9}
     headings = ("gains", *(f"{what} at {at_s:g} s" for what in ("hands [mm]", "eyes [deg]") for at_s in indices))
     rows = [
@@ -137,7 +132,6 @@ def _table(time_s: FloatArray, *both: Errors) -> str:
 
 
 def _measured(hands_mm: Errors, eyes_deg: Errors, faster: bool, trials: int) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     *_, largest = GAIN_SETS
     arrived = hands_mm[largest][:, -1].mean() < REACHED_MM and eyes_deg[largest][:, -1].mean() < ALIGNED_DEG
     return {

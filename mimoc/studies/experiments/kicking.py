@@ -30,8 +30,7 @@ QUICK_WEEKS: Sequence[float] = ()
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 20.0
 SHOWN_SEED = 0
-SHOWN_S = 20.0
-"""Time in which loops of hip and knee are drawn."""
+SHOWN_S = 20.0  # Time in which loops of hip and knee are drawn.
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +117,7 @@ PUBLISHED: Sequence[Published] = (
     Published(LEGS, "Left and right"),
 )
 
-Seeds = Sequence[Mapping[str, float]]
-"""Measures of each seed."""
+Seeds = Sequence[Mapping[str, float]]  # Measures of each seed.
 
 
 def run(notebook: Notebook) -> Path:
@@ -174,7 +172,6 @@ def kicking(case: Case, seed: int) -> Result:
 
 
 def _shown(film: Filmed) -> dict[str, tuple[float, ...]]:
-    """Return the angles of hip and knee of the left leg in the part of the motion that has the most kicks."""
     leg, length = leg_lengths(trunk_paths(film.seen))[0], round(SHOWN_S * RATE_HZ)
     peaks = [kick.peak for kick in kicks_of(leg, RATE_HZ)]
     starts = [max(0, min(peak - round(RATE_HZ), len(leg) - length)) for peak in peaks] or [0]
@@ -192,7 +189,6 @@ def _rows(by_age: Mapping[float, Seeds], seeds: Sequence[int]) -> Iterator[tuple
 
 
 def _of(values: Seeds, name: str) -> list[float]:
-    """Return a measure of all seeds that have it."""
     return [measures[name] for measures in values if name in measures]
 
 
@@ -222,7 +218,6 @@ def _cell(item: Published, age_months: float, values: Sequence[float]) -> str:
 
 
 def _directions(by_age: Mapping[float, Seeds]) -> str:
-    """Return as sentences which measures fall or rise with age, as published, over seeds."""
     ages = list(by_age)
     young, old = ages[0], ages[-1]
     six, eighteen = (min(ages, key=lambda age, week=week: abs(age - week * MONTHS_PER_WEEK)) for week in (6, 18))

@@ -19,16 +19,11 @@ from mimoc.studies.experiments.notebook import Cell, Notebook, Progress
 from mimoc.studies.experiments.sensed_reaching import Movement
 from mimoc.training import Curve, Episode, Training, train
 
-STEP_MS = 10.0
-"""Duration of a control step."""
-LAST = 0.2
-"""Final fraction of the training over which learning is averaged."""
-BINS = 25
-"""Number of bins of a plotted learning curve."""
-FIRST_BALL = 1000
-"""Seed of the first ball, which is not the seed of any training run."""
-LIBRARIES = ("gymnasium", "stable-baselines3", "torch")
-"""Libraries that the results of trained infants depend on."""
+STEP_MS = 10.0  # Duration of a control step.
+LAST = 0.2  # Final fraction of the training over which learning is averaged.
+BINS = 25  # Number of bins of a plotted learning curve.
+FIRST_BALL = 1000  # Seed of the first ball, which is not the seed of any training run.
+LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # Libraries that the results of trained infants depend on.
 THOUSANDS = replace(TRAINED, unit="thousands")
 
 
@@ -145,7 +140,6 @@ def banded_plot(
 
 
 def _binned(curve: Curve) -> tuple[FloatArray, FloatArray]:
-    """Return the mean steps and the mean time to reach of each bin of a training run, shape (n,) each."""
     steps, durations_s = curve.column("steps"), times_s(curve)
     parts = np.array_split(np.arange(len(steps)), min(BINS, len(steps)))
     return (

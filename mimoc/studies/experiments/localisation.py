@@ -27,16 +27,12 @@ PUBLISHED_DEG: Mapping[float, tuple[float, float]] = {2: (27, 27), 4: (20, 22), 
 memory)."""
 PUBLISHED_US = (50.0, 75.0)
 """Smallest interaural time differences that infants of 16, 20 and 28 weeks hear (Ashmead et al. 1991)."""
-FITTED_MONTHS = 4.0
-"""Age whose published angle gives the timing noise of the first observer."""
-CORRECT = 0.75
-"""Share of right answers at the minimum audible angle."""
+FITTED_MONTHS = 4.0  # Age whose published angle gives the timing noise of the first observer.
+CORRECT = 0.75  # Share of right answers at the minimum audible angle.
 TRIALS, QUICK_TRIALS = 100_000, 4000
 DISTANCE_M, LEVEL_DB, BURST_S = 1.5, 65.0, 0.05
-STEPS = 9
-"""Control steps in which a burst is heard whole."""
-FINER = 16
-"""By which the cross-correlation is interpolated: 2.6 µs."""
+STEPS = 9  # Control steps in which a burst is heard whole.
+FINER = 16  # By which the cross-correlation is interpolated: 2.6 µs.
 TIME = Quantity("time_us", "Interaural time difference", "µs")
 AZIMUTH = Quantity("azimuth_deg", "Azimuth", "deg")
 ANGLE = Quantity("angle_deg", "Minimum audible angle", "deg")
@@ -136,7 +132,6 @@ def _quantile() -> float:
 
 
 def _noise_us(ears: Ears) -> float:
-    """Return the timing noise with which an age has its published angle."""
     angle_deg = float(np.mean(PUBLISHED_DEG[ears.age_months]))
     return float(np.interp(angle_deg, ears.angles_deg, ears.times_us)) / _quantile()
 
@@ -166,7 +161,6 @@ def _numbers(
     angles_deg: Sequence[Sequence[float]],
     trials: int,
 ) -> dict[str, object]:
-    """Return what the page says."""
     fitted_us, timed_us = noises_us.values()
     published = [PUBLISHED_DEG[ears.age_months] for ears in heard]
     needed_us = [

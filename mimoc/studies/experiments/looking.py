@@ -24,13 +24,10 @@ QUICK_MONTHS: Sequence[float] = (1, 6)
 FAR_FROM_MONTHS = 6
 NEAR_M, FAR_M = 0.38, 0.84
 """Distance of the card before that age, and from it on; both are used with the Teller Acuity Cards."""
-HALF_WIDTH_M = 0.21
-"""What is seen to each side of the middle of the card."""
+HALF_WIDTH_M = 0.21  # What is seen to each side of the middle of the card.
 SIZE_PX = 512
-NOISE = 0.003
-"""Standard deviation of the noise of the decision, on each side, as a contrast."""
-RIGHT = 0.75
-"""Share of right choices at the threshold, as is usual with two sides."""
+NOISE = 0.003  # Standard deviation of the noise of the decision, on each side, as a contrast.
+RIGHT = 0.75  # Share of right choices at the threshold, as is usual with two sides.
 MATURING = tuple((key, "age") for key in ("contrast", "colour", "field", "focus", "flicker"))
 PLAIN, MATURE_KEYS, USUAL = "acuity alone", "all that matures", "64 x 64 pixels"
 ACUITY_SHARES: Sequence[float] = (0.5, 0.65, 0.8, 0.88, 0.94, 0.98, 1.02, 1.06, 1.15)

@@ -36,23 +36,17 @@ from mimoc.studies.experiments.notebook import Notebook, table_rows
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 180.0, "acquisition": 360.0, "extinction": 180.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 30.0, "acquisition": 60.0, "extinction": 30.0}
-COMPARED_S = 180.0
-"""The end of a phase, by which it is judged."""
-BIN_S = 30.0
-"""Width of the bins of curves."""
+COMPARED_S = 180.0  # The end of a phase, by which it is judged.
+BIN_S = 30.0  # Width of the bins of curves.
 SEEDS, QUICK_SEEDS = range(20), range(2)
-TYING_S = 10.0
-"""Time that the infant moves before the ribbon is tied: straight half of that time."""
+TYING_S = 10.0  # Time that the infant moves before the ribbon is tied: straight half of that time.
 AROUSAL = 0.9
 """Of an infant that lies under a mobile: fitted, so that it kicks about 10 times a minute before, as published."""
-PARTNER = 1000
-"""Added to the seed of the infant that sees what another one did."""
-ENOUGH = 1.5
-"""Ratio of the rate of kicks that is asked for."""
+PARTNER = 1000  # Added to the seed of the infant that sees what another one did.
+ENOUGH = 1.5  # Ratio of the rate of kicks that is asked for.
 CONDITIONS = ("contingent", "yoked")
 LEGS = {"left": "tied leg", "right": "other leg"}
-FREE = ("contingent_right", "yoked_left", "yoked_right")
-"""Legs that move nothing that is seen."""
+FREE = ("contingent_right", "yoked_left", "yoked_right")  # Legs that move nothing that is seen.
 MINUTES = Quantity("minute", "Time", "min")
 RATE_PER_MIN = Quantity("rate_per_min", "Kicks", "1/min")
 GAIN = Quantity("gain", "Learnt gain of the drive")
@@ -164,7 +158,6 @@ def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Sess
 
 
 def _window(mover: Mover, film: Film) -> float:
-    """Film one window, and return how fast the mobile moves on average."""
     speeds_m_s = []
     for _ in mover.steps(WINDOW_S):
         film.watch(mover.env)
@@ -204,7 +197,6 @@ def _table(results: Sequence[Result]) -> str:
 
 
 def _answer(results: Sequence[Result]) -> str:
-    """Return whether kicks rise by half, by condition."""
     contingent, yoked = ([ratio >= ENOUGH for ratio in values_of(results, f"{name}_left_ratio")] for name in CONDITIONS)
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
@@ -225,7 +217,6 @@ def _ratio_of_means(results: Sequence[Result], condition: str) -> float:
 
 
 def _predictions(results: Sequence[Result]) -> str:
-    """Return each prediction, with how many seeds it holds in."""
     tied, gain = "contingent_left_ratio", "contingent_left_gain"
     asked = {
         "more than the yoked partner": (tied, "yoked_left_ratio"),

@@ -20,19 +20,15 @@ from mimoc.render.plots.plot import Plot, Sheet
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import Measured, figure_rows
 
-Progress = Callable[[int, int], None]
-"""Called with the number of steps done and their total."""
+Progress = Callable[[int, int], None]  # Called with the number of steps done and their total.
 T = TypeVar("T")
-Cell = str | float | None
-"""Cell of a table; None for an empty one."""
+Cell = str | float | None  # Cell of a table; None for an empty one.
 
-LIBRARIES = ("mimoc", "mujoco", "numpy")
-"""Libraries whose versions every report names."""
+LIBRARIES = ("mimoc", "mujoco", "numpy")  # Libraries whose versions every report names.
 NOT_TEXT = ("#", "|", "-", "!", "    ")
 """First characters of Markdown blocks that are not paragraphs: headings, tables, lists, images, code."""
 COLUMNS = 120
-DIGITS = 6
-"""Significant digits of numbers in tables."""
+DIGITS = 6  # Significant digits of numbers in tables.
 LAWS: Mapping[Development, str] = {
     "published": "MIMo v2's body (`development: published`)",
     "maturing": "mimoc's own body (`development: maturing`)",

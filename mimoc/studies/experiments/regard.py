@@ -58,12 +58,10 @@ WATCHED_S, PICTURED_S = 0.2, 2.0
 ON_DEG, ON_S = 8.0, 0.2
 """The gaze is on the mobile if both eyes have looked so near to its middle for so long: a choice, less than the 9 to 12
 degrees at which it is from straight ahead at the start."""
-NEAR_DEG = 15.0
-"""Hands so near to the line of sight are looked at by BabyBench's measure, at every age alike."""
+NEAR_DEG = 15.0  # Hands so near to the line of sight are looked at by BabyBench's measure, at every age alike.
 HEAD_CAMERA_MONTHS, HEAD_CAMERA_SHARE = (1.0, 3.0), 0.1
 """Share of the frames of head cameras that show hands (Jayaraman, Fausey & Smith 2015-16: from memory)."""
-ONSET_MONTHS = (2.0, 3.0)
-"""When hand regard begins (White, Castle & Held 1964: from memory)."""
+ONSET_MONTHS = (2.0, 3.0)  # When hand regard begins (White, Castle & Held 1964: from memory).
 COLOURS = 96
 SHARE = Quantity("share", "Share of the time", "%")
 CONTRAST = Quantity("contrast", "Contrast of the mobile", "%")
@@ -294,7 +292,6 @@ def _contrast_values(contrasts: Sequence[tuple[float, float]]) -> dict[str, floa
 
 
 def _views(months: Sequence[float]) -> bytes:
-    """Return what infants look up to at the start: as it is drawn, and as they observe it, of the left eye."""
     drawn, observed = list[Picture](), list[Picture]()
     for age_months in months:
         with closing(Pictures(lying(age_months, SIZE_PX))) as pictures:
@@ -305,7 +302,6 @@ def _views(months: Sequence[float]) -> bytes:
 
 
 def _of(results: Sequence[Result], name: str) -> list[float]:
-    """Return a measure of the trials in which there is one."""
     return [result.values[name] for result in results if name in result.values]
 
 
@@ -353,7 +349,6 @@ def _hand_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
 
 
 def _answer(by_case: Mapping[Case, Sequence[Result]]) -> str:
-    """Return how the youngest and the oldest compare."""
     moving = [results for case, results in by_case.items() if case.condition == "moves"]
     looking = [results for case, results in by_case.items() if case.condition == "looks"]
     ages = [case.age_months for case in by_case if case.condition == "moves"]

@@ -23,8 +23,7 @@ ON_THE_BACK_DEG, LEANING_BACK_DEG, UPRIGHT_DEG = -90.0, -45.0, 0.0
 BENT_DEG = {"{side}_hip1": -50.0, "{side}_hip2": -25.0, "{side}_knee": -70.0, "{side}_elbow": -60.0}
 """The posture in which an infant is laid down, its arms away from its body: that of mimoc's pose `supine`."""
 ARMS_DEG = 60.0
-ABOVE_M = 1.0
-"""Height at which a trunk is held, so that nothing touches the floor."""
+ABOVE_M = 1.0  # Height at which a trunk is held, so that nothing touches the floor.
 LEANS = (0.15, 0.25, 0.35, 0.45)
 """Where the weight of a sitting infant stands at first: 0 over the seat, 1 over the heels."""
 SITTING_KNEE_DEG = -20.0
@@ -75,7 +74,6 @@ def _lying(infant: TrialInfant) -> mujoco.MjData:
 
 
 def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
-    """Return the angle of a head without support, the trunk held at some pitch."""
     held = infant.fixed(infant.trunk_dofs())
     return _angle_deg(held, _after(held, held.placed(pitch_deg, {}, ABOVE_M), FALLING_S), "head_tilt")
 
@@ -88,7 +86,6 @@ def _slump_deg(infant: TrialInfant, lean: float) -> float:
 
 
 def _after(infant: TrialInfant, data: mujoco.MjData, seconds: float) -> mujoco.MjData:
-    """Let time pass without commands."""
     for _ in range(round(seconds / infant.model.opt.timestep)):
         mujoco.mj_step(infant.model, data)
     return data
@@ -122,7 +119,6 @@ def try_to_sit(development: Development, age_months: float) -> Picture:
 
 
 def _end(attempt: Attempt) -> tuple[mujoco.MjData, Outcome]:
-    """Return the last state of an attempt, and its outcome."""
     states = deque[mujoco.MjData](maxlen=1)
     outcome = simulate(attempt, Conditions(), states.append)
     return states[0], outcome

@@ -130,10 +130,8 @@ def _relative_place(toy: FreeObject, reach: ReachableFloor, heading_rad: float) 
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
 PICTURE_PX = (176, 132)
-COLOURS = 128
-"""Number of colours of the figure, which makes its file a third as large."""
-FARTHEST = 2.5
-"""Largest distance in the figure, in multiples of the reach."""
+COLOURS = 128  # Number of colours of the figure, which makes its file a third as large.
+FARTHEST = 2.5  # Largest distance in the figure, in multiples of the reach.
 
 SPEC = {
     "mimoc": 1,
@@ -254,7 +252,6 @@ def _share_nearer(reach: ReachableFloor, distances_m: npt.NDArray[np.float64]) -
 
 
 def _numbers(rooms: Sequence[Inventory]) -> dict[str, object]:
-    """Return the numbers of the page."""
     toys = [toy for room in rooms for toy in room.toys]
     depths_m, widths_m, heights_m = zip(*(room.size_m for room in rooms), strict=True)
     counts, masses_g = [len(room.toys) for room in rooms], [1000 * toy.mass_kg for toy in toys]

@@ -15,8 +15,7 @@ from mimoc.policies.control.reaching import ReachController
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray, Observation
 
-MIN_STEPS = 8
-"""Minimum number of positions for a measure of smoothness; jerk is not meaningful for fewer."""
+MIN_STEPS = 8  # Minimum number of positions for a measure of smoothness; jerk is not meaningful for fewer.
 MAX_HZ = 10.0
 MIN_MAGNITUDE = 0.05
 PADDING = 4
@@ -104,8 +103,7 @@ GAINS = "low"
 They let the hand move at half a metre per second at most, which is the choice of a speed."""
 TOUCHED_M = 0.025
 """Distance of the palm's centre from the target at which a reach has arrived: the radius of a small ball."""
-REACH_SHARE = 0.8
-"""Distance of a target from the shoulder, by the length of the arm."""
+REACH_SHARE = 0.8  # Distance of a target from the shoulder, by the length of the arm.
 INWARDS_DEG, UPWARDS_DEG = (-20.0, 40.0), (-20.0, 20.0)
 """Directions of the targets from the shoulder, by the chest: straight ahead is 0."""
 AT_ONCE_S = 1e-6

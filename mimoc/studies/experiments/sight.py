@@ -15,8 +15,7 @@ from mimoc.runtime.sense import FloatArray, IntArray
 
 BoolArray = npt.NDArray[np.bool_]
 
-BEYOND_M = 1e-6
-"""How far behind a surface of head or eyes a line of sight goes on."""
+BEYOND_M = 1e-6  # How far behind a surface of head or eyes a line of sight goes on.
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,7 @@ from mimoc.studies.experiments.weights import step_cases_of
 
 MONTHS: Sequence[float] = (0, 1, 2, 3)
 QUICK_MONTHS: Sequence[float] = (0, 2)
-PRACTICE = 1.25
-"""Factor on the strength of practised legs; a guess: no figure is published."""
+PRACTICE = 1.25  # Factor on the strength of practised legs; a guess: no figure is published.
 LOADS_KG: Sequence[float] = (0.0, 0.1, 0.2, 0.4, 0.8)
 QUICK_LOADS_KG: Sequence[float] = (0.0, 0.4)
 LOADED_MONTHS = 1.0
@@ -29,8 +28,7 @@ RATE = Quantity("rate_per_min", "Steps", "1/min")
 LIFT = Quantity("lift_cm", "Lift of the foot", "cm")
 HIP = Quantity("hip_deg", "Range of the hip", "deg")
 MEASURES = (RATE, LIFT, HIP)
-PUBLISHED_RATE = (5.0, 20.0)
-"""Steps of newborns a minute (an assumption)."""
+PUBLISHED_RATE = (5.0, 20.0)  # Steps of newborns a minute (an assumption).
 GONE_MONTHS = 2.0
 LOAD = Quantity("weight_kg", "Weight at each ankle", "kg")
 
@@ -117,7 +115,6 @@ def _of(values: Values, measure: Quantity) -> list[float]:
 
 
 def _answer(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> str:
-    """Return what becomes of steps between birth and two months."""
     rates = {age: interval(_of(steps[cases["plain"]], RATE)) for age, cases in by_age.items()}
     newborn, later = rates[0], rates[GONE_MONTHS]
     low, high = PUBLISHED_RATE

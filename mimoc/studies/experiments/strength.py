@@ -30,10 +30,8 @@ from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
 
 TARGET_DEG = 60.0
-FULL_SIZE_MONTHS = 18
-"""The age at which a part's relative size is 1."""
-LAW_MONTHS = 3
-"""Age from which on the time is compared; a newborn does not reach 60 degrees."""
+FULL_SIZE_MONTHS = 18  # The age at which a part's relative size is 1.
+LAW_MONTHS = 3  # Age from which on the time is compared; a newborn does not reach 60 degrees.
 
 
 def is_faster_with_age(efforts: Iterable[Effort], within_s: float = 0.0) -> bool:
@@ -53,7 +51,6 @@ def gets_as_far_with_age(efforts: Iterable[Effort]) -> bool:
 
 
 def _laws(torque: Sequence[Effort]) -> str:
-    """Return as sentences which laws hold for each behaviour and which do not."""
     laws = []
     for behaviour in BEHAVIOURS:
         name, every = behaviour.name.capitalize(), _of(torque, behaviour)
@@ -74,7 +71,6 @@ def _of(efforts: Iterable[Effort], behaviour: Behaviour) -> list[Effort]:
 
 
 def _shown(efforts: Iterable[Effort]) -> list[Effort]:
-    """Return those at the paper's ages."""
     return [effort for effort in efforts if effort.age_months in PAPER_MONTHS]
 
 
@@ -146,7 +142,6 @@ def infants(law: Development) -> Iterator[Bundle]:
 
 
 def _measured(shown: Sequence[Effort], sized: Mapping[tuple[Behaviour, float], Sequence[Effort]]) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     times: dict[str, float | str | None] = {
         f"{item.name} at relative size {size:g}, time to {TARGET_DEG:g} degrees [s]": (
             sized[item, size][0].time_to_s(TARGET_DEG) if (item, size) in sized else "none so small"

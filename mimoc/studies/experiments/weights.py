@@ -36,10 +36,8 @@ GAIN_WEEKS = 4
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 15.0
 STEP_SECONDS = 30.0
-LEAST = 0.1
-"""Least change of the range of the hip that mass alone is asked for at six weeks."""
-STEP_LEAST = 0.2
-"""Least change of steps that is asked for each way."""
+LEAST = 0.1  # Least change of the range of the hip that mass alone is asked for at six weeks.
+STEP_LEAST = 0.2  # Least change of steps that is asked for each way.
 PUBLISHED: Mapping[float, tuple[str, str]] = {
     6: ("less", "more"),
     12: ("more", "more"),
@@ -170,7 +168,6 @@ def _cases(week: float, seconds: float) -> Iterator[Case]:
 
 
 def _gains_at(week: float) -> Sequence[float]:
-    """Return the factors that are tried at an age."""
     return GAINS if week <= CHANGED_WEEKS else GAINS[:1]
 
 
@@ -191,7 +188,6 @@ def _table(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
 
 
 def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    """Return what drive the published effects would ask for, by age."""
     rows = []
     for week in weeks:
         for gain in _gains_at(week):
@@ -203,7 +199,6 @@ def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
 
 
 def _answer(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    """Return whether mass alone lowers the range of the hip by a tenth, at the first of the ages."""
     change = interval(_changes(kicks, weeks[0], seconds, 1.0, "left", "hip_deg"))
     holds = "does" if change.mean <= -LEAST else "does **not**"
     return (

@@ -16,8 +16,7 @@ from mimoc.fits.growth import group_age
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 
-TOLERANCE = 0.04
-"""Largest deviation from the mean of a group, relative to it."""
+TOLERANCE = 0.04  # Largest deviation from the mean of a group, relative to it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +115,6 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
 
 
 def _compare(child: InfantSpec) -> Iterator[MeasurementRow]:
-    """Yield the rows of a child in the middle of an age group."""
     tables, age_months, average = fits.load_tables(), child.age_months, fits.measure(child.age_months)
     wanted = child_of(child).measurements
     wanted_m, measured_m = wanted.of_side("left"), measure_body(compile_infant(child))

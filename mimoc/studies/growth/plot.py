@@ -14,10 +14,8 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot, Range, Sheet, Ticks
 
 LAST_MONTH = 24
 AGE_RANGE = (-0.5, LAST_MONTH + 0.5)
-PERCENTILES = (3, 15, 50, 85, 97)
-"""Those of WHO's charts."""
-NAMED = (3, 50, 97)
-"""Those that are named at the ends of their curves."""
+PERCENTILES = (3, 15, 50, 85, 97)  # Those of WHO's charts.
+NAMED = (3, 50, 97)  # Those that are named at the ends of their curves.
 
 SURVEYED = {
     "length_cm": "crown_sole_length",
@@ -38,8 +36,7 @@ MEASUREMENTS_CAPTION = (
 )
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "mean of boys and girls"}
 
-Points = Sequence[tuple[float, float]]
-"""Pairs of age in months and value."""
+Points = Sequence[tuple[float, float]]  # Pairs of age in months and value.
 
 
 def growth_sheet(series: Mapping[str, Points], reference: Reference = "mean") -> Sheet:
@@ -145,10 +142,8 @@ def _months(every: int) -> Ticks:
 
 
 WIDTH_PX, ROW_PX, FRAME_PX = 1400, 100, 180
-SPREAD = 0.55
-"""Height that the marks of a row are spread over, by that of a row."""
-BAR = 0.6
-"""Height of a bar, by that of a row."""
+SPREAD = 0.55  # Height that the marks of a row are spread over, by that of a row.
+BAR = 0.6  # Height of a bar, by that of a row.
 ROWS = Quantity("row", "")
 
 

@@ -31,10 +31,8 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 from mimoc.schema.sizes import MEASUREMENT_OF
 
-MONTHS = range(25)
-"""Ages of the comparison, in whole months."""
-AVERAGE_SD = 1.0
-"""How far the average child may be from WHO's mean of boys and girls, in standard deviations."""
+MONTHS = range(25)  # Ages of the comparison, in whole months.
+AVERAGE_SD = 1.0  # How far the average child may be from WHO's mean of boys and girls, in standard deviations.
 REQUESTED_SD = 0.01
 """How far a measure may be from what the spec asks for, in standard deviations of WHO's children: at the 3rd percentile
 that is 0.07 percentiles, at the 50th 0.4. Bodies are solved to 1e-7."""
@@ -187,7 +185,6 @@ def grow_against_who(
 
 
 def _rows(child: InfantSpec) -> list[Row]:
-    """Return the rows of a child at its age."""
     measures, individual = measure_compiled(compile_infant(child)), child.body.individual
     reference: Reference = (individual and individual.sex) or "mean"
     return compare_with_who(rounded(child.corrected_age_months), measures, reference, requests_of(child, measures))

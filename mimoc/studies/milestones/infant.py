@@ -21,8 +21,7 @@ from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 FIXED_ARMATURE = 1e6
 """Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""
 
-INTERVAL_MS = 5.0
-"""How often commands are sent in trials with delays."""
+INTERVAL_MS = 5.0  # How often commands are sent in trials with delays.
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +128,6 @@ def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> Inf
 
 
 def _has_servos(spec: InfantSpec) -> bool:
-    """Return whether the commands of a spec's infant are angles that servos go to."""
     return spec.actuation.model == "position"
 
 

@@ -78,8 +78,7 @@ def read_age_ranges(path: Path) -> dict[str, AgeRange]:
         }
 
 
-WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))
-"""By name of the trial."""
+WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))  # By name of the trial.
 
 
 @dataclass(frozen=True)

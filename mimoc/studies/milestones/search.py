@@ -27,13 +27,10 @@ def ages_of(spec: InfantSpec) -> Sequence[float]:
     return [age for age in AGES if age >= spec.months_early]
 
 
-COARSE_STRIDE = 2
-"""The search descends by every second age of the grid, and then looks at those in between."""
+COARSE_STRIDE = 2  # The search descends by every second age of the grid, and then looks at those in between.
 
-Progress = Callable[[int, int], None]
-"""Called with the number of ages done with and their total."""
-Try = Callable[[float], Outcome]
-"""Returns the outcome of a trial at an age in months."""
+Progress = Callable[[int, int], None]  # Called with the number of ages done with and their total.
+Try = Callable[[float], Outcome]  # Returns the outcome of a trial at an age in months.
 AttemptAt = Callable[[str, Conditions, str, float], Outcome]
 """Returns the outcome for a spec in JSON, conditions, the name of a trial, and an age in months."""
 Item = TypeVar("Item")
@@ -194,8 +191,7 @@ def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> 
     return try_out(trial, compile_once(spec, age_months, conditions), conditions, side)
 
 
-FOLDER = "searches"
-"""Where finished searches are kept until all of them are."""
+FOLDER = "searches"  # Where finished searches are kept until all of them are.
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,17 +60,14 @@ class Estimator:
         return estimate
 
 
-CHECKED_EVERY_S = 0.05
-"""How often the condition of a trial is checked."""
+CHECKED_EVERY_S = 0.05  # How often the condition of a trial is checked.
 
 Check = Callable[[mujoco.MjData], str]
 """Returns why a state does not meet the condition of a trial; nothing if it does."""
 Target = Callable[[mujoco.MjData, float], FloatArray]
 """Returns the angles that the driven hinges go to, shape (n,), in a state and after a time in [s]."""
-Apparatus = Callable[[mujoco.MjData, float], None]
-"""Moves what an apparatus moves, after a time in [s]."""
-Watch = Callable[[mujoco.MjData], None]
-"""Sees the state after every physics step, for pictures and measurements."""
+Apparatus = Callable[[mujoco.MjData, float], None]  # Moves what an apparatus moves, after a time in [s].
+Watch = Callable[[mujoco.MjData], None]  # Sees the state after every physics step, for pictures and measurements.
 
 
 @dataclass(frozen=True)

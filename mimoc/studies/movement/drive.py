@@ -27,8 +27,7 @@ CURLED_DEG: Mapping[str, float] = {
     "{side}_shoulder_ad_ab": 60.0,
 }
 """The posture in which an infant is laid on its back, before it settles."""
-QUIET: Mapping[str, float] = {}
-"""No joint is asked for anything; what tone there is without commands stays."""
+QUIET: Mapping[str, float] = {}  # No joint is asked for anything; what tone there is without commands stays.
 
 
 class Drive:
@@ -160,5 +159,4 @@ def hinges_below(infant: TrialInfant, body: str) -> IntArray:
 
 
 def _muscles(model: mujoco.MjModel) -> np.ndarray:
-    """Return which actuators are muscles, shape (nu,)."""
     return np.asarray(model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE)

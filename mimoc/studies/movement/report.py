@@ -266,8 +266,7 @@ def _report(
 
 
 BOTH = ("both",)
-Job = tuple[str, float, str]
-"""Name of a trial, age in months, and the side whose limb is measured."""
+Job = tuple[str, float, str]  # Name of a trial, age in months, and the side whose limb is measured.
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,12 +28,10 @@ STRAIGHT = ("_th_middle", "_th_distal")
 RADIUS = 0.14
 """Radius of the rod by the length of a straight finger: .5 cm at birth, half of the 19 mm of the bar that newborns have
 hung by; a mitten's one finger does not get around more."""
-ROD_HALF_M, ROD_KG, ROD_DAMPING = 0.03, 0.1, 0.5
-"""Half length, mass, and damping of its movements in [N s/m]."""
+ROD_HALF_M, ROD_KG, ROD_DAMPING = 0.03, 0.1, 0.5  # Half length, mass, and damping of its movements in [N s/m].
 ROD_FRICTION = (1.0, 0.005, 0.0002)
 CLEAR_M, FAR_M = 0.0003, 0.01
-GRID = 41
-"""Places that are tried for the rod along each side of a square."""
+GRID = 41  # Places that are tried for the rod along each side of a square.
 ABOVE_M = 1.0
 
 
@@ -130,7 +128,6 @@ def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:
 
 
 def _places(hand: Hand) -> Iterator[FloatArray]:
-    """Yield places across the knuckles, inside the bend of the fingers."""
     for along in np.linspace(0.0, 1.0, GRID):
         for out in np.linspace(2 * RADIUS, 1.0, GRID):  # Nearer, it would be in the palm.
             offset = along * hand.to_wrist + out * hand.out_of_palm
@@ -145,7 +142,6 @@ def _solids(model: mujoco.MjModel, finger: int) -> tuple[IntArray, IntArray]:
 
 
 def _closing(infant: TrialInfant) -> Iterator[str]:
-    """Yield the driven hinges that close the hand."""
     hand = in_subtrees(infant.model, [infant.model.body(HAND).id])
     for joint, name in zip(infant.joints, infant.joint_names, strict=True):
         if hand[infant.model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):

@@ -40,8 +40,7 @@ NAMES = {
     "checkpoint_every": "control steps between checkpoints",
 }
 TILES = (outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.RETURN)
-SHOWN_DOTS = 60
-"""Rows up to which each is a dot."""
+SHOWN_DOTS = 60  # Rows up to which each is a dot.
 CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
 UNFINISHED_NOTE = (
     " Hollow and dotted: so far, of episodes that had not ended then, which cannot be compared with whole ones."
@@ -129,7 +128,6 @@ def _plot(curve: Curve, quantity: Quantity) -> Plot:
 
 
 def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]]:
-    """Return steps and value of each row where a quantity has a value; none without one."""
     points = [(float(row.steps), float(getattr(row, quantity.curve))) for row in curve.rows] if quantity else []
     return [point for point in points if isfinite(point[1])]
 

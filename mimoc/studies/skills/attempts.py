@@ -16,10 +16,8 @@ from mimoc.studies.processes import process_pool
 from mimoc.studies.skills.attempt import Attempt, problem_of
 from mimoc.studies.skills.search import search
 
-Job = tuple[InfantSpec, int]
-"""The infant that is to learn a skill, and the seed."""
-ProgressCallback = Callable[[int, int], None]
-"""Called with how much is done, and how much there is to do."""
+Job = tuple[InfantSpec, int]  # The infant that is to learn a skill, and the seed.
+ProgressCallback = Callable[[int, int], None]  # Called with how much is done, and how much there is to do.
 
 
 @dataclass(frozen=True)

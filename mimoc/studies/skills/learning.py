@@ -20,8 +20,7 @@ from mimoc.studies.skills.attempts import Way, attempts_of, searches
 TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 512
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age
 has; control steps and infants of a training on a device."""
-LEARNT = 0.5
-"""Share of starts from which on a skill counts as learnt at an age."""
+LEARNT = 0.5  # Share of starts from which on a skill counts as learnt at an age.
 CHILD = {
     "mimoc": 1,
     "name": "average_child",
@@ -163,7 +162,6 @@ def learn_skill(
 
 
 def _write(attempt: Attempt, path: Path) -> None:
-    """Write the movement or the policy of an attempt, if it has any."""
     if attempt.movement:
         write_postures(attempt.movement, path.with_name(f"{path.name}.json"))
     elif attempt.policy:

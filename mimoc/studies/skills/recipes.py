@@ -21,8 +21,7 @@ HOLDING = ("hand1", "hand2", "hand3", "fingers")
 """Joints that move, without `robot:` and without their side; all others are left quiet, so that a search has fewer
 numbers. `fingers` are all of their joints."""
 FINGERS = ("th", "ff", "mf", "rf", "lf")
-SWAY_STEP = 0.5
-"""What a unit of the vector is of a gain from what is felt to a share."""
+SWAY_STEP = 0.5  # What a unit of the vector is of a gain from what is felt to a share.
 
 
 @dataclass(frozen=True)

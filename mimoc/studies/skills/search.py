@@ -23,18 +23,14 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.skills.recipes import RECIPES, Form
 
-DRAWS, KEPT = 40, 8
-"""Movements that are tried in a round, and how many of them are kept for the next one."""
+DRAWS, KEPT = 40, 8  # Movements that are tried in a round, and how many of them are kept for the next one.
 LEAST_SPREAD, SMOOTHING = 0.15, 0.7
 """The least spread, as a share of the first one, and how far the kept ones move mean and spread."""
-EXPLORED = 0.5
-"""Share of the rounds in which what is kept is not tried again."""
+EXPLORED = 0.5  # Share of the rounds in which what is kept is not tried again.
 PASSED, CHECKS = 0.9, 8
 """The rounds end when a kept movement has had the skill in this share of at least so many starts."""
-CHECKED = 0.1
-"""Share of the tries with which the mean and the kept movements are told apart in the end."""
-FIRST_TEST = 20_000
-"""Seed of the first start in which the result of a search is measured."""
+CHECKED = 0.1  # Share of the tries with which the mean and the kept movements are told apart in the end.
+FIRST_TEST = 20_000  # Seed of the first start in which the result of a search is measured.
 FIRST_TRY, FIRST_CHECK = 1_000_000, 500_000
 """Seed of the first start of a search, times its own seed and one, and how much further those of its checks begin."""
 

@@ -21,8 +21,7 @@ from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.run_jobs import failed_result
 from mimoc.studies.cohorts.store import Store
 
-Done = Callable[[int], None]
-"""Called with the number of jobs that have a result now."""
+Done = Callable[[int], None]  # Called with the number of jobs that have a result now.
 
 ENGINES: Mapping[str, str] = {
     "local": "mimoc.studies.cohorts.engines.local",
@@ -55,12 +54,9 @@ def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
 
 
 Task = tuple[Job, ...]
-TRIES = 2
-"""How often a job is begun whose task is killed, and how often a task is that ends before its first job."""
-LONG_STEPS = ("train", "experiment")
-"""Steps whose jobs are tasks of their own."""
-JOBS_PER_TASK = 50
-"""Jobs of the other steps in a task: a start of ten seconds is then 0.2 s a job."""
+TRIES = 2  # How often a job is begun whose task is killed, and how often a task is that ends before its first job.
+LONG_STEPS = ("train", "experiment")  # Steps whose jobs are tasks of their own.
+JOBS_PER_TASK = 50  # Jobs of the other steps in a task: a start of ten seconds is then 0.2 s a job.
 
 
 class End(NamedTuple):

@@ -19,12 +19,9 @@ from mimoc.studies.cohorts.store import Result, Store
 
 OPTIONS = ("processes",)
 WORKER = "mimoc.studies.cohorts.engines.local"
-TRIES = 2
-"""How often a job is begun whose process is killed."""
-PATIENCE_S = 5.0
-"""How long to wait for the end of a process that does nothing."""
-POLL_S = 1.0
-"""How often to look for processes that have ended in silence."""
+TRIES = 2  # How often a job is begun whose process is killed.
+PATIENCE_S = 5.0  # How long to wait for the end of a process that does nothing.
+POLL_S = 1.0  # How often to look for processes that have ended in silence.
 
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:

@@ -18,19 +18,14 @@ except ImportError:
     raise MissingExtraError("ray", "ray") from None
 
 OPTIONS = ("address", "jobs_per_task")
-LOCAL = "local"
-"""In place of an address: a cluster of this machine's own."""
-FOUND_BY_RAY = (LOCAL, "auto")
-"""What may stand in place of an address."""
-TASKS_PER_CORE = 4
-"""Tasks that wait or run at once, for each core of the cluster."""
+LOCAL = "local"  # In place of an address: a cluster of this machine's own.
+FOUND_BY_RAY = (LOCAL, "auto")  # What may stand in place of an address.
+TASKS_PER_CORE = 4  # Tasks that wait or run at once, for each core of the cluster.
 STARTS = 3
 """How often Ray is started on this machine until it works; a part of it gives up after 15 s, too soon for a busy
 machine."""
-ANSWER_S = 10.0
-"""How long to wait for an answer from an address."""
-POLL_S = 1.0
-"""How often to give the caller a chance."""
+ANSWER_S = 10.0  # How long to wait for an answer from an address.
+POLL_S = 1.0  # How often to give the caller a chance.
 
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
@@ -75,7 +70,6 @@ def check(options: Mapping[str, Any]) -> None:
 
 
 def _address(options: Mapping[str, Any]) -> str:
-    """Return the address of a cluster, `local` for one that is to be started."""
     return options.get("address") or os.environ.get("RAY_ADDRESS") or LOCAL
 
 
@@ -96,7 +90,6 @@ def _start() -> None:
 
 
 def _problem(address: str, **options: Any) -> str | None:
-    """Return why a cluster cannot be joined or started; None if it is."""
     try:
         ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **options)
     except Exception as error:  # Ray raises just that if a node does not start in time.

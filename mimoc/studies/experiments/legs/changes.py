@@ -5,10 +5,8 @@ from statistics import fmean
 
 from mimoc.studies.experiments.legs.intervals import interval, sign_test
 
-LEVEL = 0.05
-"""Chance below which a direction counts as shown."""
-Values = Sequence[Mapping[str, float]]
-"""Measures of each seed."""
+LEVEL = 0.05  # Chance below which a direction counts as shown.
+Values = Sequence[Mapping[str, float]]  # Measures of each seed.
 
 
 def relative_changes(plain: Values, changed: Values, measure: str) -> list[float]:

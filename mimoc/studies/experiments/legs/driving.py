@@ -21,10 +21,8 @@ OF_LIMB = {
     "knee": ("knee", "foot", "toes"),
 }
 """Beginnings of the names of actuators, after the side."""
-PARTS = {"arm": ("arm",), "leg": ("hip", "knee")}
-"""Parts of the limbs of the policy, whose bursts begin at one rate."""
-Forces = Callable[[mujoco.MjData], None]
-"""Sets forces from outside, which act for a control step."""
+PARTS = {"arm": ("arm",), "leg": ("hip", "knee")}  # Parts of the limbs of the policy, whose bursts begin at one rate.
+Forces = Callable[[mujoco.MjData], None]  # Sets forces from outside, which act for a control step.
 
 
 class Mover:

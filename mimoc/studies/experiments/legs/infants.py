@@ -18,8 +18,7 @@ from mimoc.schema.infant import InfantSpec
 LEG_PARTS = ("upper_leg", "lower_leg", "foot", "toes")
 HELD_ARMATURE = 1e9
 """Armature of degrees of freedom that are held, in [kg] and [kg m²]: an infant of 5 kg sinks by .1 mm in a minute."""
-MONTHS_PER_WEEK = 12 / 52.1775
-"""Ages of the literature are in weeks."""
+MONTHS_PER_WEEK = 12 / 52.1775  # Ages of the literature are in weeks.
 MOBILE, RIBBON = "mobile", "ribbon"
 RING_M, HANGS_M = 0.5, 0.2
 """Height of the ring that the ribbon runs through, above the hips, and of the mobile below it; a guess."""

@@ -5,22 +5,15 @@ import numpy as np
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS
 
-WINDOW_S = 2.0
-"""Time over which reward and movement are averaged; a guess."""
+WINDOW_S = 2.0  # Time over which reward and movement are averaged; a guess.
 EXPECTED = len(LIMBS) ** -0.5
 """Standard deviation of what one limb may predict, before any experience: that all of them together predict all."""
-FORGETTING_S = 300.0
-"""Time constant in which experience loses its worth; fitted."""
-EFFORT = 10.0
-"""Logarithm of the gain of a limb that predicts reward fully; fitted."""
-MOST = 3.0
-"""Standard deviations beyond which nothing counts more."""
-EXPECTING_S = 60.0
-"""Time constant of the means and variances that are expected; a guess."""
-LARGEST = float(np.log(4.0))
-"""Of the logarithm of a gain; a guess."""
-SMALLEST_REWARD = 1e-4
-"""Reward below which nothing is seen to move, [m/s]."""
+FORGETTING_S = 300.0  # Time constant in which experience loses its worth; fitted.
+EFFORT = 10.0  # Logarithm of the gain of a limb that predicts reward fully; fitted.
+MOST = 3.0  # Standard deviations beyond which nothing counts more.
+EXPECTING_S = 60.0  # Time constant of the means and variances that are expected; a guess.
+LARGEST = float(np.log(4.0))  # Of the logarithm of a gain; a guess.
+SMALLEST_REWARD = 1e-4  # Reward below which nothing is seen to move, [m/s].
 
 
 class Expected:

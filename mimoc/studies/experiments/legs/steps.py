@@ -25,17 +25,14 @@ BURST_S = 0.6
 """How long the muscles of a step are active; flexion of a kick takes .3 to .4 s, and it has to be put down again."""
 TRIES_PER_MIN = 24.0
 """Steps that are tried a minute, with both legs in turn; a guess, with published rates of 5 to 20 a minute in view."""
-UNEVEN = 0.2
-"""Standard deviation of the logarithm of the time between two tries; a guess."""
+UNEVEN = 0.2  # Standard deviation of the logarithm of the time between two tries; a guess.
 BENDING = {"hip_flex_negative": 1.0, "knee_negative": 0.7, "foot_flexion_positive": 0.5}
 """Muscles of a step, after the side, by the activation of the hip's: all of them bend, as in kicks (Thelen & Fisher
 1983); sizes are a guess."""
 STRETCHING = {"hip_flex_positive": 1.0, "knee_positive": 1.0}
 """Muscles that stretch a leg while it is not lifted, as newborns bear weight on their legs (positive support)."""
-STANCE = 0.15
-"""Their activation; a guess."""
-LIFT_SHARE = 0.1
-"""Least rise of the foot that counts as a step, by the length of the leg."""
+STANCE = 0.15  # Their activation; a guess.
+LIFT_SHARE = 0.1  # Least rise of the foot that counts as a step, by the length of the leg.
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,8 +14,7 @@ from mimoc.studies.experiments.notebook import Notebook
 from mimoc.studies.kept_results import keep, kept_file, read_kept
 from mimoc.studies.processes import process_pool
 
-FOLDER = "trials"
-"""Where finished trials are kept until all of them are."""
+FOLDER = "trials"  # Where finished trials are kept until all of them are.
 
 
 class Result(Model):

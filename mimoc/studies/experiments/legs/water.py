@@ -8,10 +8,8 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.infants import legs_of
 
 WATER_KG_M3 = 1000.0
-LIMB_KG_M3 = 1030.0
-"""Density of an infant's legs: a fifth fat of 900, the rest of 1065 kg/m³ (derived)."""
-DRAG = 1.0
-"""Drag coefficient of a cylinder across the stream, at Reynolds numbers of 10³ to 10⁵ (an assumption)."""
+LIMB_KG_M3 = 1030.0  # Density of an infant's legs: a fifth fat of 900, the rest of 1065 kg/m³ (derived).
+DRAG = 1.0  # Drag coefficient of a cylinder across the stream, at Reynolds numbers of 10³ to 10⁵ (an assumption).
 ADDED = 1.0
 """Mass of water that moves along with a cylinder across the stream, by that of the water it displaces (potential flow).
 """

@@ -7,8 +7,7 @@ from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 
 SITTING_S = 10.0
-KNEES_DEG = (-60.0, -40.0, -20.0)
-"""Knees of the postures that are tried."""
+KNEES_DEG = (-60.0, -40.0, -20.0)  # Knees of the postures that are tried.
 LEANS = (0.3, 0.4)
 """Where the centre of mass stands in the postures that are tried: 0 over the seat, 1 over the heels.
 

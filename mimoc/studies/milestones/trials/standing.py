@@ -48,10 +48,8 @@ def _balanced(infant: TrialInfant) -> TrialInfant:
 
 
 SQUAT_KNEE_DEG = -60.0
-LEAST_SQUAT = 0.85
-"""Height of the hips below which the squat is lost, by that at its start."""
-VERTICAL = 2
-"""The degree of freedom in which the hip goes up and down."""
+LEAST_SQUAT = 0.85  # Height of the hips below which the squat is lost, by that at its start.
+VERTICAL = 2  # The degree of freedom in which the hip goes up and down.
 
 STANDING = Trial("stand", "stands alone for 10 s", _standing, FEET, "fitted")
 HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat, FEET)

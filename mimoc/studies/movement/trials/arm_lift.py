@@ -16,8 +16,7 @@ from mimoc.studies.movement.drive import QUIET, Drive, again, hinges_below, sett
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 JOINTS = ("shoulder_horizontal", "shoulder_ad_ab", "shoulder_rotation", "elbow")
-SAMPLES, SEED = 3000, 0
-"""Postures of the arm among which the one is chosen that is to be held."""
+SAMPLES, SEED = 3000, 0  # Postures of the arm among which the one is chosen that is to be held.
 BENT_RAD, LEAST_BENT_RAD = np.radians(-140.0), -0.1
 """Elbow while the upper arm is lifted; an elbow that is held up is not quite straight, where its range ends."""
 SIDEWAYS, TRAVEL = 0.3, 0.002
@@ -25,11 +24,9 @@ SIDEWAYS, TRAVEL = 0.3, 0.002
 TIMES_S = (0.0, 1.0, 3.0, 4.0, 6.0)
 """When the elbow begins to bend, is bent, the upper arm is up, the elbow is straight, and the end."""
 HELD_S = 1.0
-EVERY = 10
-"""Physics steps between two beginnings of the second in which the hand is to stay up."""
+EVERY = 10  # Physics steps between two beginnings of the second in which the hand is to stay up.
 SETTLING_S = 2.0
-PULL = 0.25
-"""Pull at the hand by the weight of the arm, against which newborns keep an arm up that they see."""
+PULL = 0.25  # Pull at the hand by the weight of the arm, against which newborns keep an arm up that they see.
 
 
 def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
@@ -85,14 +82,12 @@ def _knuckles(infant: TrialInfant) -> str:
 
 
 def _arm_m(infant: TrialInfant, data: mujoco.MjData) -> float:
-    """Return the length of the arm from shoulder to knuckles."""
     bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
     points = [data.body(name).xpos for name in bodies]
     return float(sum(np.linalg.norm(end - start) for start, end in pairwise(points)))
 
 
 def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> FloatArray:
-    """Return the angles of the arm, shape (4,), that bring the hand highest above the shoulder."""
     low, high = np.array([infant.model.joint(f"robot:left_{name}").range for name in JOINTS]).T
     random, posture, knuckles = np.random.default_rng(SEED), mujoco.MjData(infant.model), _knuckles(infant)
     shoulder_m, rest = resting.body("left_upper_arm").xpos.copy(), resting.qpos[places]
@@ -111,7 +106,6 @@ def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> 
 
 
 def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> Callable[[float], FloatArray]:
-    """Return the function from a time in [s] to the angles of the driven hinges, shape (n,)."""
     up, rest = _highest(infant, resting, places), resting.qpos[places]
     bent, lifted = rest.copy(), up.copy()
     bent[-1] = lifted[-1] = BENT_RAD

@@ -53,7 +53,6 @@ def _held(infant: TrialInfant) -> TrialInfant:
 
 
 def _below_hand(infant: TrialInfant) -> list[str]:
-    """Return the bodies of the fingers."""
     model, hand = infant.model, infant.model.body(HAND).id
     names, above = [], {hand}
     for body in range(hand + 1, model.nbody):
@@ -64,7 +63,6 @@ def _below_hand(infant: TrialInfant) -> list[str]:
 
 
 def _squeeze(infant: TrialInfant, hand: Hand, data: mujoco.MjData) -> bool:
-    """Close a hand around the rod, and return whether it stays there."""
     before = data.qpos[-3:].copy()
     _close(infant, hand, data, SQUEEZED_S)
     return float(np.linalg.norm(data.qpos[-3:] - before)) < SQUEEZED_OUT_M

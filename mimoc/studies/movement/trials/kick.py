@@ -11,17 +11,13 @@ from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, angle_deg, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
-KICK_S = 0.35
-"""How long the hip is driven: kicks of real infants last .23 to .33 s."""
-ENOUGH_DEG = 50.0
-"""Excursion of the hip that counts as a kick."""
-SHARE = 0.8
-"""Most of its strength that an infant may need."""
+KICK_S = 0.35  # How long the hip is driven: kicks of real infants last .23 to .33 s.
+ENOUGH_DEG = 50.0  # Excursion of the hip that counts as a kick.
+SHARE = 0.8  # Most of its strength that an infant may need.
 SHARES = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.8, 0.9, 1.0)
 """Shares of the hip's strength among which the least that suffices is looked for."""
 GENTLE_SHARES = (0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)
-KNEES = (-1.0, 0.0, 1.0)
-"""What the knee does, by the share of the hip: it bends as much, does nothing, or stretches."""
+KNEES = (-1.0, 0.0, 1.0)  # What the knee does, by the share of the hip: it bends as much, does nothing, or stretches.
 GENTLE_KNEES = (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5)
 MEAN_S = 0.05
 """Time over which accelerations are taken, as the speed changes: that of the filters of body-worn sensors, a guess."""

@@ -21,15 +21,13 @@ how much the right one is later."""
 KICKING_S, READ_FROM_S = 8.0, 2.0
 KNEE = 0.5
 """Share of the strength of the knee, by that of the hip: in young infants both bend together; the size is a guess."""
-USUAL_DEG = 40.0
-"""Excursion of the hip in an everyday kick."""
+USUAL_DEG = 40.0  # Excursion of the hip in an everyday kick.
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Shares of the strength of the hip's flexors, the least of which is taken that bends it by `USUAL_DEG`."""
 WEIGHT_KG = 0.1
 SEEDS, UNEVEN = 12, 0.2
 """Seeds with which a weighted leg kicks, as a single one would show chance; how uneven kicks are is a guess."""
-TILTS_DEG = {"45": 45.0, "upright": 90.0}
-"""How far the infant and the board on which it lies are tilted."""
+TILTS_DEG = {"45": 45.0, "upright": 90.0}  # How far the infant and the board on which it lies are tilted.
 SETTLING_S = 2.0
 SIDES = ("left", "right")
 LEGS = tuple(f"{side}_{name}" for side in SIDES for name in ("hip1", "hip2", "hip3", "knee", "foot1"))

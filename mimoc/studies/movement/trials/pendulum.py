@@ -17,10 +17,8 @@ from mimoc.studies.movement.drive import all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 SWINGING_S = 8.0
-LEAST_DEG = 1.0
-"""Half swings below this are not counted."""
-ABOVE_M = 3.0
-"""Height of the hip, clear of the floor."""
+LEAST_DEG = 1.0  # Half swings below this are not counted.
+ABOVE_M = 3.0  # Height of the hip, clear of the floor.
 JOINTS = {"hip": "left_hip1", "knee": "left_knee", "shoulder": "left_shoulder_ad_ab", "elbow": "left_elbow"}
 
 

@@ -13,8 +13,7 @@ from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 SETTLING_S = 4.0
 FOLDING_S = 3.0
-READ_STEPS = 50
-"""Physics steps at the end over which a folded leg is averaged."""
+READ_STEPS = 50  # Physics steps at the end over which a folded leg is averaged.
 KNEES = (0.0, -0.15, -0.3, -0.6, -1.0)
 """Shares of the knees' flexors that are tried while the hips bend with all strength."""
 SIDES = ("left", "right")
@@ -70,12 +69,10 @@ def _folded(infant: TrialInfant, start: mujoco.MjData, knee: float) -> tuple[flo
 HIP_DRIVE, KNEE_DRIVE = -0.25, -0.15
 """What an awake infant of 0 to 7 months bends its legs with, by their strength: behaviour, not body. Fitted to the
 posture of recorded infants, which the trial compares with."""
-NOISE, CORRELATED_S = 0.3, 0.3
-"""Size, by strength, and correlation time of the random commands of all joints; a guess."""
+NOISE, CORRELATED_S = 0.3, 0.3  # Size, by strength, and correlation time of the random commands of all joints; a guess.
 AWAKE_S, SETTLING_AWAKE_S = 20.0, 2.0
 SEED = 1
-EVERY = 20
-"""Physics steps between two looks at the legs."""
+EVERY = 20  # Physics steps between two looks at the legs.
 
 
 def awake(infant: TrialInfant) -> Iterator[mujoco.MjData]:

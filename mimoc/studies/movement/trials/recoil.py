@@ -6,10 +6,8 @@ from mimoc.base.quantities import Quantity
 from mimoc.studies.movement.drive import QUIET, again, angle_deg, run, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
-STRETCHED_S = 2.0
-"""How long the elbow is held stretched."""
-WAITED_S = 2.0
-"""After which time the angle is read."""
+STRETCHED_S = 2.0  # How long the elbow is held stretched.
+WAITED_S = 2.0  # After which time the angle is read.
 ELBOW = "left_elbow"
 
 

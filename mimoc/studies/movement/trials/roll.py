@@ -18,21 +18,17 @@ from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 POSTURES, POSTURE_S, MOVING_S = 3, 1.0, 0.4
 """How many postures follow one another, how long each is asked for, and how long the target takes to get to it."""
-ROLLING_S = 4.0
-"""The last posture is kept for one second more."""
-EVERY_S = 0.02
-"""How often a command is sent."""
+ROLLING_S = 4.0  # The last posture is kept for one second more.
+EVERY_S = 0.02  # How often a command is sent.
 STIFFNESS, DAMPING_S = 4.0, 0.06
 """Shares of strength asked for each radian that a joint is off its target, and for each rad/s less by this time."""
 EXCEPT = ("_eye_", "_hand", "_finger", "_foot", "_toes", "_th", "_ff", "_mf", "_rf", "_lf")
 """Joints with these in their names, of eyes, hands and feet, are left quiet."""
-ROLLED_DEG = 60.0
-"""How far chest and hips face down at the end on the belly; 0 is on the side."""
+ROLLED_DEG = 60.0  # How far chest and hips face down at the end on the belly; 0 is on the side.
 DRAWS, KEPT, ROUNDS = 40, 8, 60
 SPREAD, LEAST_SPREAD, SMOOTHING = 0.6, 0.1, 0.7
 """Of draws, by half the range of a joint: at first, and at least; and how far the kept ones move mean and spread."""
-SEEDS = 3
-"""Searches, one after the other, until one rolls the infant: what one misses, another may hit on."""
+SEEDS = 3  # Searches, one after the other, until one rolls the infant: what one misses, another may hit on.
 
 
 @dataclass

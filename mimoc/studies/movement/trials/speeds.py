@@ -8,8 +8,7 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 from mimoc.studies.movement.trials.posture import SIDES, awake
 
-FRAMES_HZ = 30.0
-"""Rate of the recordings of real infants; taken, as it is not given."""
+FRAMES_HZ = 30.0  # Rate of the recordings of real infants; taken, as it is not given.
 ENDS = {"hand": "hand", "foot": "toes"}
 """The bodies that begin at the points that are seen: the wrist for the hand, and the roots of the toes."""
 POINTS = tuple(f"{side}_{body}" for body in ENDS.values() for side in SIDES)

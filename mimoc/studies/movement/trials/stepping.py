@@ -13,15 +13,12 @@ from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, all_but, angle_deg, has_joint
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
-SHARE = 0.6
-"""Share of the strength of the hips' flexors."""
+SHARE = 0.6  # Share of the strength of the hips' flexors.
 BURST_S, CYCLE_S, BETWEEN_S = 0.5, 1.4, 0.7
 """How long a hip is driven, how often, and by how much the right one is later."""
 STEPPING_S, READ_FROM_S = 6.0, 2.8
-WEIGHT_KG = 0.15
-"""Weight on each shank; about what a leg gains in the second month, derived from WHO's weights."""
-FLOATING = 0.95
-"""Share of the weight of the legs that water carries."""
+WEIGHT_KG = 0.15  # Weight on each shank; about what a leg gains in the second month, derived from WHO's weights.
+FLOATING = 0.95  # Share of the weight of the legs that water carries.
 ABOVE_M = 0.4
 SIDES = ("left", "right")
 PARTS = ("upper_leg", "lower_leg", "foot", "toes")
@@ -60,7 +57,6 @@ def with_weights(infant: TrialInfant, weight_kg: float, sides: Sequence[str] = S
 
 
 def _shares(time_s: float) -> dict[str, float]:
-    """Return what the hips do: both in turn."""
     later = {side: BETWEEN_S * place for place, side in enumerate(SIDES)}
     return {f"{side}_hip1": -SHARE for side in SIDES if (time_s + later[side]) % CYCLE_S < BURST_S}
 

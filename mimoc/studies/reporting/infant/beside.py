@@ -29,7 +29,6 @@ def beside(bundle: Bundle, other: Bundle, name: str) -> Section:
 
 
 def _joints(bundle: Bundle) -> dict[str, tuple[str, str]]:
-    """Return peak torques and range of each joint that muscles move, as texts."""
     model: mujoco.MjModel = load_model(bundle)
     joints = {}
     for joint, limits_nm in torque_limits(bundle).items():

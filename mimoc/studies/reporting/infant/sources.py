@@ -66,7 +66,6 @@ class Sources:
         return Section("sources", TITLE, tuple(blocks))
 
     def _followed(self) -> set[str]:
-        """Return the numbers that were referred to, and all that they depend on."""
         reached, waiting = set[str](), list(self._named)
         while waiting:
             key = waiting.pop()
@@ -94,7 +93,6 @@ class Sources:
 
 
 def _fragment(key: str) -> str:
-    """Return the fragment of a number on the page."""
     return "n-" + re.sub(r"\s+", "-", key)
 
 

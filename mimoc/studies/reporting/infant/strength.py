@@ -45,18 +45,15 @@ JOINTS: Mapping[str, str] = {
 """Joints that are told in the picture."""
 WIDTH, HEIGHT = 540.0, 500.0
 TOP, FEET = 40.0, 470.0
-LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0
-"""Where the texts at either side end and begin."""
-APART = 34.0
-"""Least distance of two texts."""
+LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0  # Where the texts at either side end and begin.
+APART = 34.0  # Least distance of two texts.
 CAPTION = (
     "Left, the peak torque of a joint in either direction; right, the mass of a part and its share of the body. "
     "The outline is drawn from the solids that the simulation uses, seen from the front."
 )
 
 
-Place = Callable[[Points], Point]
-"""From a point of the model to where it is drawn."""
+Place = Callable[[Points], Point]  # From a point of the model to where it is drawn.
 
 
 class Note(NamedTuple):
