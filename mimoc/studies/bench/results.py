@@ -46,11 +46,7 @@ class BenchResults(Model):
 
 
 def read_results(path: str | Path) -> BenchResults:
-    """Read what a policy scored.
-
-    Raises:
-        BundleError: If the file is no such result, or of another benchmark.
-    """
+    """Read what a policy scored; raise a BundleError if the file is no such result, or of another benchmark."""
     path, version = Path(path).expanduser(), bench_table().benchmark
     try:
         results = read_json_file(path, BenchResults)

@@ -40,8 +40,7 @@ class Failure:
 class Status:
     """How far the jobs of a cohort are."""
 
-    counts: Mapping[str, Mapping[str, int]]
-    """Number of jobs that are `ok`, `failed` or `missing`, by step."""
+    counts: Mapping[str, Mapping[str, int]]  # Number of jobs that are `ok`, `failed` or `missing`, by step.
     failures: tuple[Failure, ...]
 
     def number(self, state: str) -> int:

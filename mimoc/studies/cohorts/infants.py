@@ -29,20 +29,16 @@ Place = tuple[str | int, ...]  # Path in the cohort file of a value that was cho
 class DesignRow:
     """One infant, as the cohort's design chooses it."""
 
-    child: int | None
-    """Number of its child; None if the cohort has no children."""
-    values: tuple[tuple[str, Any, Place], ...]
-    """Value of each varied key, and where in the file it stands."""
+    child: int | None  # Number of its child; None if the cohort has no children.
+    values: tuple[tuple[str, Any, Place], ...]  # Value of each varied key, and where in the file it stands.
 
 
 @dataclass(frozen=True, slots=True)
 class CohortInfant:
     """One infant of a cohort."""
 
-    factors: Mapping[str, Any]
-    """What tells it from the others: its child, and the value of each varied key."""
-    data: Mapping[str, Any]
-    """Its spec, as it would be written in a file."""
+    factors: Mapping[str, Any]  # What tells it from the others: its child, and the value of each varied key.
+    data: Mapping[str, Any]  # Its spec, as it would be written in a file.
     spec: InfantSpec
 
 

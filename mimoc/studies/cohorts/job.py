@@ -30,24 +30,16 @@ MAX_JOBS = 1_000_000
 class Job:
     """One step with one infant and one seed, as plain data that any process can be handed."""
 
-    key: str
-    """Hash of all that determines the result."""
-    cohort: str
-    """Name of the cohort."""
-    factors: Mapping[str, Any]
-    """What tells its infant from the others."""
+    key: str  # Hash of all that determines the result.
+    cohort: str  # Name of the cohort.
+    factors: Mapping[str, Any]  # What tells its infant from the others.
     step: str
-    options: Mapping[str, Any]
-    """Options of the step."""
+    options: Mapping[str, Any]  # Options of the step.
     seed: int | None
-    data: Mapping[str, Any] | None
-    """The spec of its infant; None for a step that brings its own infants."""
-    folder: str
-    """Folder of the cohort file, where modules and policies are."""
-    spec_folder: str
-    """Folder that paths in the spec are relative to."""
-    own_measures: tuple[str, ...]
-    """Functions of the user's own that measure, as `module:function`."""
+    data: Mapping[str, Any] | None  # The spec of its infant; None for a step that brings its own infants.
+    folder: str  # Folder of the cohort file, where modules and policies are.
+    spec_folder: str  # Folder that paths in the spec are relative to.
+    own_measures: tuple[str, ...]  # Functions of the user's own that measure, as `module:function`.
 
     @property
     def infant(self) -> str:

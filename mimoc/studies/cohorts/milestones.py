@@ -38,14 +38,11 @@ class MilestoneSpread:
     """The ages at which the children of a cohort reach a milestone."""
 
     trial: str
-    n: int
-    """Children that reach it."""
-    not_reached: int
-    """Children that do not, by 24 months."""
+    n: int  # Children that reach it.
+    not_reached: int  # Children that do not, by 24 months.
     mean_months: float | None
     sd_months: float | None
-    who: str
-    """WHO's milestone that comes nearest; empty if there is none."""
+    who: str  # WHO's milestone that comes nearest; empty if there is none.
     who_mean_months: float | None
     who_sd_months: float | None
 
@@ -56,15 +53,12 @@ class DelayOdds:
 
     trial: str
     group: str
-    n: int
-    """Children of the group."""
-    late: int
-    """Those of them that are late."""
+    n: int  # Children of the group.
+    late: int  # Those of them that are late.
     others: int
     late_others: int
     odds_ratio: float
-    low: float
-    """Of its 95 % interval, by Woolf's method with a half added to each number."""
+    low: float  # Of its 95 % interval, by Woolf's method with a half added to each number.
     high: float
 
 

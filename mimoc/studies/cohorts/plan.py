@@ -21,19 +21,13 @@ SHORT, LONG = 50, 150  # Control steps of two trial runs, whose difference says 
 class StepPlan:
     """What a step of a cohort will take."""
 
-    step: str
-    """Its name, with the options that tell it from other steps of this name."""
+    step: str  # Its name, with the options that tell it from other steps of this name.
     jobs: int
-    done: int
-    """Jobs that have a result already."""
-    seconds: float | None
-    """CPU time of a job on one core, from its trial; None if there was none, as all are done."""
-    at_least: bool
-    """Whether the trial was stopped, so that jobs take longer than that."""
-    bytes: float
-    """Size of what a job leaves behind; 0 if there was no trial."""
-    error: str
-    """Why the trial failed; empty if it did not."""
+    done: int  # Jobs that have a result already.
+    seconds: float | None  # CPU time of a job on one core, from its trial; None if there was none, as all are done.
+    at_least: bool  # Whether the trial was stopped, so that jobs take longer than that.
+    bytes: float  # Size of what a job leaves behind; 0 if there was no trial.
+    error: str  # Why the trial failed; empty if it did not.
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +36,7 @@ class Plan:
 
     infants: int
     steps: tuple[StepPlan, ...]
-    processes: int
-    """Processes that this machine would use."""
+    processes: int  # Processes that this machine would use.
 
     @property
     def jobs(self) -> int:

@@ -28,15 +28,11 @@ PROVENANCE = "provenance.json"
 class Result:
     """What became of a job."""
 
-    status: str
-    """`ok` or `failed`."""
+    status: str  # `ok` or `failed`.
     measures: Mapping[str, Any]
-    versions: Mapping[str, str]
-    """Versions of the software that did it."""
-    error: str = ""
-    """What went wrong, in one line."""
-    seconds: float = 0.0
-    """Wall time that it took."""
+    versions: Mapping[str, str]  # Versions of the software that did it.
+    error: str = ""  # What went wrong, in one line.
+    seconds: float = 0.0  # Wall time that it took.
 
     @property
     def ok(self) -> bool:
@@ -51,11 +47,7 @@ class Store:
     folder: Path
 
     def create(self, cohort: str) -> None:
-        """Make the folder, unless it exists.
-
-        Raises:
-            OutputError: If it holds anything else, or cannot be written.
-        """
+        """Make the folder, unless it exists; raise an OutputError if it holds anything else, or cannot be written."""
         self.check_usable()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -84,11 +76,7 @@ class Store:
             raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
 
     def check(self) -> None:
-        """Check that this is the folder of a cohort.
-
-        Raises:
-            MimocError: If it is not.
-        """
+        """Check that this is the folder of a cohort; raise a MimocError if it is not."""
         if not self._is_marked():
             raise MimocError(f"{self.folder}: not the folder of a cohort; name the one given to 'mimoc cohort run -o'")
 
@@ -174,11 +162,7 @@ class Store:
         return write_bundle(lean, folder, force=True, shared=SharedFiles(self.folder / ASSETS))
 
     def read_bundle(self, job: Job) -> Bundle:
-        """Return the bundle that a job has built.
-
-        Raises:
-            BundleError: If there is none.
-        """
+        """Return the bundle that a job has built; raise a BundleError if there is none."""
         try:
             return read_bundle(check_unlinked(self.bundle_folder(job), below=self.folder))
         except OutputError as error:

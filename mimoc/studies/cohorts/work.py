@@ -33,8 +33,7 @@ class JobContext:
 
     job: Job
     store: Store
-    measures: dict[str, Any] = field(default_factory=dict)
-    """What has been measured so far, by name."""
+    measures: dict[str, Any] = field(default_factory=dict)  # What has been measured so far, by name.
 
     @property
     def seed(self) -> int:
@@ -170,11 +169,7 @@ STEPS: Mapping[str, Callable[[JobContext], Measures]] = {
 
 
 def measured(work: JobContext) -> Measures:
-    """Do a job, and return all that it measures.
-
-    Raises:
-        MimocError: If it cannot be done.
-    """
+    """Do a job, and return all that it measures; raise a MimocError if it cannot be done."""
     work.measures.update(STEPS[work.job.step](work))
     for name in work.job.own_measures:
         work.measures[name] = _cell(import_function(name, work.job.folder)(work), name)

@@ -30,17 +30,12 @@ class Variant:
     """An infant that reaches, and how; everything but the delay."""
 
     name: str
-    gains: str = "high"
-    """Key of the controller's gains."""
-    share: float = REACH_SHARE
-    """Distance of the targets, by the length of the arm."""
-    strength: float = 1.0
-    """Factor on the strength of the arms."""
-    step_ms: float = STEP_MS
-    """Time between commands."""
+    gains: str = "high"  # Key of the controller's gains.
+    share: float = REACH_SHARE  # Distance of the targets, by the length of the arm.
+    strength: float = 1.0  # Factor on the strength of the arms.
+    step_ms: float = STEP_MS  # Time between commands.
     age_months: float = AGE_MONTHS
-    other_law: bool = False
-    """Whether it has the other law of development."""
+    other_law: bool = False  # Whether it has the other law of development.
 
 
 VARIANTS: Sequence[Variant] = (

@@ -45,12 +45,9 @@ GAIN = Quantity("gain", "Learnt gain of the drive")
 class Session:
     """What an infant did by a caregiver."""
 
-    kicks_s: FloatArray
-    """When its legs kicked."""
-    answers_s: tuple[float, ...]
-    """When it was answered."""
-    gains: FloatArray
-    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
+    kicks_s: FloatArray  # When its legs kicked.
+    answers_s: tuple[float, ...]  # When it was answered.
+    gains: FloatArray  # Gain of each limb that it had learnt after each window, shape (windows, 6).
 
 
 def run(notebook: Notebook) -> Path:

@@ -31,11 +31,9 @@ class Behaviour:
     """A movement of one joint."""
 
     name: str
-    actuator: str
-    """Name of the actuator in MIMo."""
+    actuator: str  # Name of the actuator in MIMo.
     joint: str
-    direction: int
-    """1 towards positive joint angles, -1 towards negative ones."""
+    direction: int  # 1 towards positive joint angles, -1 towards negative ones.
 
 
 BEHAVIOURS = (
@@ -51,12 +49,9 @@ class Effort:
     behaviour: Behaviour
     age_months: float
     strength_age_months: float
-    length_cm: float
-    """Length of the infant from crown to sole."""
-    angle_deg: FloatArray
-    """Angles at the start and after each control step, shape (n + 1,)."""
-    end_deg: float
-    """Limit of the joint range, which is soft."""
+    length_cm: float  # Length of the infant from crown to sole.
+    angle_deg: FloatArray  # Angles at the start and after each control step, shape (n + 1,).
+    end_deg: float  # Limit of the joint range, which is soft.
 
     @property
     def time_s(self) -> FloatArray:
@@ -161,12 +156,9 @@ class Strength:
     development: Development
     age_months: float
     actuator: str
-    direction: int
-    """1 towards positive joint angles, -1 towards negative ones."""
-    torque_nm: float
-    """Largest torque."""
-    moment_nm: float
-    """Gravity moment of all that hangs on the joint, stretched out level."""
+    direction: int  # 1 towards positive joint angles, -1 towards negative ones.
+    torque_nm: float  # Largest torque.
+    moment_nm: float  # Gravity moment of all that hangs on the joint, stretched out level.
 
     @property
     def ratio(self) -> float:

@@ -16,14 +16,10 @@ FIGURES = Path(__file__).parent / "pages" / "figures.csv"
 class Figure:
     """What the paper has of a quantity."""
 
-    quantity: str
-    """Its name and unit, or a statement that holds or does not."""
-    paper: str
-    """A number as it is given, or a word."""
-    certainty: str
-    """`S`: read in the paper or its code; `D`: derived from them; `M`: from memory."""
-    source: str
-    """Where in the paper or its code."""
+    quantity: str  # Its name and unit, or a statement that holds or does not.
+    paper: str  # A number as it is given, or a word.
+    certainty: str  # `S`: read in the paper or its code; `D`: derived from them; `M`: from memory.
+    source: str  # Where in the paper or its code.
 
     def row(self, measured: float | str | None) -> tuple[str, ...]:
         """Return its row of the table; numbers measured have a digit more than the paper's."""

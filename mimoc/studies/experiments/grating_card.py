@@ -41,18 +41,15 @@ class Eyes:
     distance_m: float
     size_px: int
     fovy_deg: float
-    keys: tuple[tuple[str, Any], ...] = ()
-    """Further keys of its sense of vision, with their values."""
+    keys: tuple[tuple[str, Any], ...] = ()  # Further keys of its sense of vision, with their values.
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
     """Contrast at the frequency of the grating on both sides of a card, left and right: amplitude over mean."""
 
-    drawn: FloatArray
-    """As MuJoCo draws it, without an infant's eye in between: what a photometer says."""
-    observed: FloatArray
-    """As the infant observes it."""
+    drawn: FloatArray  # As MuJoCo draws it, without an infant's eye in between: what a photometer says.
+    observed: FloatArray  # As the infant observes it.
 
 
 @cache

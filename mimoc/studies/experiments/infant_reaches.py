@@ -38,10 +38,8 @@ class Group:
     """The reaches of an infant of an age, with a delay."""
 
     age_months: float
-    delay: str
-    """Key of `DELAYS`."""
-    sensory_ms: float
-    """Delay of proprioception of the arm."""
+    delay: str  # Key of `DELAYS`.
+    sensory_ms: float  # Delay of proprioception of the arm.
     reaches: Sequence[Reach]
 
     def median(self, measure: Callable[[Reach], float]) -> float:

@@ -46,15 +46,12 @@ class Published:
     """What real infants do, by a measure of `mimoc movement`."""
 
     measure: str
-    short: str
-    """Its label in a small plot."""
-    low: float | None = None
-    """None if only recordings of real infants tell."""
+    short: str  # Its label in a small plot.
+    low: float | None = None  # None if only recordings of real infants tell.
     high: float | None = None
     source: str = "-"
     """With R for read in the paper or its abstract; what is not is an assumption, by which nothing is judged."""
-    until_months: float = 6
-    """The oldest age that it is about."""
+    until_months: float = 6  # The oldest age that it is about.
 
     @property
     def quantity(self) -> Quantity:

@@ -31,12 +31,10 @@ THOUSANDS = replace(TRAINED, unit="thousands")
 class Learner:
     """An infant trained to reach; a reach that fails counts with the full length of its episode in all times."""
 
-    group: str
-    """What tells it from others: its delay in ms, or its schedule of growth."""
+    group: str  # What tells it from others: its delay in ms, or its schedule of growth.
     seed: int
     training: Training
-    reaches: list[Episode]
-    """Its reaches after training."""
+    reaches: list[Episode]  # Its reaches after training.
     checks: Mapping[int, list[Episode]] = field(default_factory=dict)
     """Its reaches at each checkpoint, by the control steps of training; the last one included."""
 

@@ -44,10 +44,8 @@ class Ears:
 
     age_months: float
     radius_m: float
-    angles_deg: tuple[float, ...]
-    """Azimuths of the sounds, to the left."""
-    times_us: tuple[float, ...]
-    """By how much later the right ear heard each of them."""
+    angles_deg: tuple[float, ...]  # Azimuths of the sounds, to the left.
+    times_us: tuple[float, ...]  # By how much later the right ear heard each of them.
 
     def angle_of(self, time_us: float) -> float:
         """Return the azimuth of a time difference, or 90 degrees beyond the largest one."""

@@ -47,10 +47,8 @@ class Threshold:
     """Where an infant chooses the grating in three of four trials."""
 
     age_months: float
-    entered: float
-    """What its eyes are built with."""
-    measured: float
-    """NaN if no grating was preferred."""
+    entered: float  # What its eyes are built with.
+    measured: float  # NaN if no grating was preferred.
 
     @property
     def ratio(self) -> float:

@@ -57,10 +57,8 @@ class Session:
     """What an infant did under a mobile."""
 
     film: Filmed
-    rewards_m_s: Sequence[float]
-    """Mean speed of the mobile that it was tied to in each window, seen or not."""
-    gains: FloatArray
-    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
+    rewards_m_s: Sequence[float]  # Mean speed of the mobile that it was tied to in each window, seen or not.
+    gains: FloatArray  # Gain of each limb that it had learnt after each window, shape (windows, 6).
 
     @property
     def kicks_s(self) -> dict[str, FloatArray]:

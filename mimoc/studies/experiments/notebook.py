@@ -44,16 +44,13 @@ OTHER_BODY = (
 class Notebook:
     """The output folder of an experiment; all files are written atomically."""
 
-    name: str
-    """Name of the experiment."""
+    name: str  # Name of the experiment.
     folder: Path
-    quick: bool
-    """Whether to run a smaller version of the experiment."""
+    quick: bool  # Whether to run a smaller version of the experiment.
     progress: Progress
     development: Development | None = None
     """Law of development of its infants; None if the experiment has laws of its own."""
-    bodies: str = ""
-    """Digest of the bodies of its infants, `studies.bodies.bodies_digest`."""
+    bodies: str = ""  # Digest of the bodies of its infants, `studies.bodies.bodies_digest`.
 
     @property
     def law(self) -> Development:
@@ -93,19 +90,11 @@ class Notebook:
         write_file(self.folder / file, text.getvalue().encode())
 
     def write_picture(self, file: str, png: bytes) -> None:
-        """Write a PNG.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write a PNG; raise an OutputError if it cannot be written."""
         write_file(self.folder / file, png)
 
     def write_plots(self, file: str, plots: Sequence[Plot]) -> None:
-        """Write plots side by side as a PNG.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write plots side by side as a PNG; raise an OutputError if it cannot be written."""
         self.write_picture(file, encode(Sheet(tuple(plots))))
 
     def write_page(self, measured: Measured | None, /, *libraries: str, **numbers: object) -> Path:

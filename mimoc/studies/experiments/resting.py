@@ -35,14 +35,11 @@ class Rest:
 
     development: Development
     age_months: float
-    hip_deg: float
-    """Lying on its back; below 0 is bent, as for knee and elbow."""
+    hip_deg: float  # Lying on its back; below 0 is bent, as for knee and elbow.
     knee_deg: float
     elbow_deg: float
-    head_upright_deg: float
-    """Angle of the head with the trunk held upright; above 0, the chin has fallen to the chest."""
-    head_back_deg: float
-    """The same with the trunk leaning back by 45 degrees; below 0, the head has fallen back."""
+    head_upright_deg: float  # Angle of the head with the trunk held upright; above 0, the chin has fallen to the chest.
+    head_back_deg: float  # The same with the trunk leaning back by 45 degrees; below 0, the head has fallen back.
     slumps_deg: Sequence[float]
     """Tilt of the chest after sitting, for each of `LEANS`; above 0 forward, about 90 is lying."""
 

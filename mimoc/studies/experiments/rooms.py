@@ -37,8 +37,7 @@ class ToyPlace:
 
     name: str
     category: str
-    size_m: float
-    """Length of its longest side."""
+    size_m: float  # Length of its longest side.
     mass_kg: float
     ahead_m: float
     left_m: float
@@ -55,16 +54,12 @@ class Inventory:
     """The contents of a room."""
 
     seed: int
-    size_m: tuple[float, float, float]
-    """Depth, width and height."""
-    textures: tuple[str, ...]
-    """Textures of floor, ceiling and walls."""
+    size_m: tuple[float, float, float]  # Depth, width and height.
+    textures: tuple[str, ...]  # Textures of floor, ceiling and walls.
     pictures: int
     lamps: int
-    place_m: tuple[float, float]
-    """Position of the infant's hip, from the centre of the room."""
-    heading_rad: float
-    """Direction that the infant faces, from the x axis to the left."""
+    place_m: tuple[float, float]  # Position of the infant's hip, from the centre of the room.
+    heading_rad: float  # Direction that the infant faces, from the x axis to the left.
     reach: ReachableFloor
     toys: tuple[ToyPlace, ...]
 

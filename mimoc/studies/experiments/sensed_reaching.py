@@ -31,10 +31,8 @@ infants, whose hands move at .2 to .4 m/s, would not show."""
 class Movement:
     """A movement of a hand."""
 
-    path_m: FloatArray
-    """Positions of the hand at regular intervals, shape (n, 3), world frame."""
-    step_s: float
-    """Interval between positions, such as a control step."""
+    path_m: FloatArray  # Positions of the hand at regular intervals, shape (n, 3), world frame.
+    step_s: float  # Interval between positions, such as a control step.
 
     @property
     def duration_s(self) -> float:
@@ -115,10 +113,8 @@ class Reach(Movement):
     """A reach from its onset until it arrives or is given up."""
 
     arrived: bool
-    distance_m: float
-    """From the hand to the target at the beginning."""
-    target_m: FloatArray
-    """The target, shape (3,), world frame."""
+    distance_m: float  # From the hand to the target at the beginning.
+    target_m: FloatArray  # The target, shape (3,), world frame.
 
     @property
     def away_m(self) -> FloatArray:

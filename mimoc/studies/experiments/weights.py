@@ -62,8 +62,7 @@ class Case:
     weeks: float
     seconds: float
     weight_kg: float = 0.0
-    gain: float = 1.0
-    """Factor on the drive of both legs."""
+    gain: float = 1.0  # Factor on the drive of both legs.
 
 
 Kicks = Mapping[Case, Values]

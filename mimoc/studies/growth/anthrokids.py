@@ -24,15 +24,11 @@ class MeasurementRow:
     """One measurement of the infant at one age, and the survey's."""
 
     age_months: float
-    measurement: str
-    """AnthroKids' name."""
+    measurement: str  # AnthroKids' name.
     value_cm: float
-    mean_cm: float
-    """Of the age group; a finger's, of which only curves are known, by MIMo v2's curve."""
-    origin: str
-    """Where the mean comes from: `anthrokids.csv:12`."""
-    requested: float = 1.0
-    """What the spec asks for, relative to the average child of this age."""
+    mean_cm: float  # Of the age group; a finger's, of which only curves are known, by MIMo v2's curve.
+    origin: str  # Where the mean comes from: `anthrokids.csv:12`.
+    requested: float = 1.0  # What the spec asks for, relative to the average child of this age.
     is_judged: bool = True
     """Whether it can be outside: what other measurements and factors of parts change is only reported."""
 
@@ -67,8 +63,7 @@ COLUMNS = (
 class MeasurementReport:
     """Comparison of an infant with AnthroKids at the middle of each age group."""
 
-    rows: tuple[MeasurementRow, ...]
-    """Rows by age, youngest first."""
+    rows: tuple[MeasurementRow, ...]  # Rows by age, youngest first.
 
     @property
     def within_tolerance(self) -> bool:

@@ -48,16 +48,12 @@ class Row:
     """One measure of the infant at one age, with its scores in WHO's standards."""
 
     age_months: float
-    indicator: str
-    """`length_cm`, `weight_kg`, `head_circumference_cm` or `arm_circumference_cm`."""
-    value: float
-    """Value, in the unit of the indicator's name."""
-    z: Mapping[Reference, float]
-    """Standard deviations above the median of boys, of girls and of their mean."""
+    indicator: str  # `length_cm`, `weight_kg`, `head_circumference_cm` or `arm_circumference_cm`.
+    value: float  # Value, in the unit of the indicator's name.
+    z: Mapping[Reference, float]  # Standard deviations above the median of boys, of girls and of their mean.
     reference: Reference = "mean"
     """Whom it is judged by: children of its sex, or the mean of both if the spec gives none."""
-    requested_z: float | None = None
-    """The z-score that the spec asks for; None if it asks for none."""
+    requested_z: float | None = None  # The z-score that the spec asks for; None if it asks for none.
     is_judged: bool = True
     """Whether it can be missed: what follows from other measures of an individual is only reported."""
 

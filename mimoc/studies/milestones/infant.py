@@ -28,12 +28,9 @@ INTERVAL_MS = 5.0  # How often commands are sent in trials with delays.
 class Conditions:
     """What can be varied to see how much a result hangs on it."""
 
-    push: float = 0.03
-    """Size of the pushes while sitting and standing, in body weights."""
-    servo: float = 1.0
-    """Factor on the natural frequency of the controller."""
-    strength: float = 1.0
-    """Factor on the torque limits of all motors, on top of the infant's own."""
+    push: float = 0.03  # Size of the pushes while sitting and standing, in body weights.
+    servo: float = 1.0  # Factor on the natural frequency of the controller.
+    strength: float = 1.0  # Factor on the torque limits of all motors, on top of the infant's own.
     delays: bool = False
     """Whether the infant's own delays of senses and commands apply, with a forward model that predicts over them."""
 
@@ -42,8 +39,7 @@ class Conditions:
 class TrialInfant(DrivenInfant):
     """A driven infant with what a trial has to know of it, which an apparatus can hold."""
 
-    timing: Timing
-    """When its senses tell and its commands act, in trials with delays."""
+    timing: Timing  # When its senses tell and its commands act, in trials with delays.
     toneless_bias: FloatArray | None = None
     """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them; None
     if it has no servos."""

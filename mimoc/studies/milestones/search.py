@@ -40,10 +40,8 @@ Item = TypeVar("Item")
 class SearchResult:
     """What a search found out about one trial."""
 
-    youngest_months: float | None
-    """The youngest age from which on all tried ages succeed; None if the oldest fails."""
-    outcomes: Mapping[float, Outcome] = field(default_factory=dict)
-    """Outcome by tried age."""
+    youngest_months: float | None  # The youngest age from which on all tried ages succeed; None if the oldest fails.
+    outcomes: Mapping[float, Outcome] = field(default_factory=dict)  # Outcome by tried age.
 
     @property
     def at_birth(self) -> bool:
@@ -200,8 +198,7 @@ class Case:
 
     development: Development
     trial: str
-    ages: tuple[float, ...]
-    """The ages that may be tried, in months, the youngest first."""
+    ages: tuple[float, ...]  # The ages that may be tried, in months, the youngest first.
     conditions: Conditions
     near_months: float | None = None
     """One of the ages, from which on others are tried step by step; None means from the oldest down."""

@@ -92,22 +92,18 @@ PUSHES = (
 class Attempt:
     """One way to try: a posture to start from, what to go for, and what must be true from when on."""
 
-    infant: TrialInfant
-    """The infant, with what an apparatus holds of it fixed."""
+    infant: TrialInfant  # The infant, with what an apparatus holds of it fixed.
     start: mujoco.MjData
     seconds: float
     check: Check
     checked_from_s: float = 0.0
     goal_deg: Mapping[str, float] = field(default_factory=dict)
     """Joints that leave the posture of the start, which all others keep, and where they go to."""
-    target: Target | None = None
-    """Where the driven hinges go to, if that depends on state or time."""
+    target: Target | None = None  # Where the driven hinges go to, if that depends on state or time.
     pushes: Sequence[Push] = ()
     apparatus: Apparatus | None = None
-    strategy: str = ""
-    """In words, which posture it is."""
-    side: str = ""
-    """Of a trial with sides, which one it is about: `left` or `right`."""
+    strategy: str = ""  # In words, which posture it is.
+    side: str = ""  # Of a trial with sides, which one it is about: `left` or `right`.
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,10 +111,8 @@ class Outcome:
     """How an attempt ended."""
 
     success: bool
-    seconds: float
-    """Time at which it failed, or its duration."""
-    reason: str = ""
-    """Why it failed."""
+    seconds: float  # Time at which it failed, or its duration.
+    reason: str = ""  # Why it failed.
     strategy: str = ""
 
 
@@ -130,8 +124,7 @@ class Trial:
     title: str
     attempts: Callable[[TrialInfant], Iterable[Attempt]] = field(repr=False)
     """The ways to try it, which an infant tries in turn until one succeeds."""
-    needs: tuple[str, ...] = ()
-    """The bodies without which it cannot be tried."""
+    needs: tuple[str, ...] = ()  # The bodies without which it cannot be tried.
     basis: Basis = "predicted"
     """Whether a number of the law `maturing` was chosen for the age at which infants succeed."""
     sided: bool = False

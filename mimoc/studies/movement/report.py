@@ -87,10 +87,8 @@ class Row:
     value: float | None
     """None if it was not tried, or did not happen, such as the time to a bend of the hip that it does not reach."""
     window: Window | None
-    reason: str = ""
-    """Why it was not tried."""
-    side: str = ""
-    """`left`, `right`, or `both` of an infant whose sides are alike; none if the measure has no side."""
+    reason: str = ""  # Why it was not tried.
+    side: str = ""  # `left`, `right`, or `both` of an infant whose sides are alike; none if the measure has no side.
 
     @property
     def name(self) -> str:
@@ -145,10 +143,8 @@ class Row:
 class MovementReport:
     """How an infant moves."""
 
-    development: str
-    """The law that it follows."""
-    actuation: str
-    """Its actuation model."""
+    development: str  # The law that it follows.
+    actuation: str  # Its actuation model.
     rows: Sequence[Row]
     beside: Mapping[str, "MovementReport"] = field(default_factory=dict)
     """Those of its counterparts, by what they are, such as `healthy`."""
@@ -274,8 +270,7 @@ class Result:
     """What came of a trial."""
 
     values: Values
-    reason: str = ""
-    """Why it was not tried."""
+    reason: str = ""  # Why it was not tried.
 
 
 def _run(spec: str, jobs: Sequence[Job], processes: int, progress: Progress) -> Mapping[Job, Result]:

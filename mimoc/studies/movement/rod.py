@@ -43,16 +43,11 @@ class Hand:
     """Hinges that bend fingers and thumb, and the one that puts the thumb before the palm, without `robot:`, and the
     angle of each at the closed end of its range."""
     knuckle_m: FloatArray
-    axis: FloatArray
-    """About which the knuckles bend."""
-    to_wrist: FloatArray
-    """From the knuckles along the palm."""
-    to_fingers: FloatArray
-    """From the knuckles to the middle of the bent fingers."""
-    length_m: float
-    """Of a straight finger, from the knuckle."""
-    closed_deg: dict[str, float]
-    """Angles of these hinges when the rod is put in."""
+    axis: FloatArray  # About which the knuckles bend.
+    to_wrist: FloatArray  # From the knuckles along the palm.
+    to_fingers: FloatArray  # From the knuckles to the middle of the bent fingers.
+    length_m: float  # Of a straight finger, from the knuckle.
+    closed_deg: dict[str, float]  # Angles of these hinges when the rod is put in.
 
     @property
     def out_of_palm(self) -> FloatArray:

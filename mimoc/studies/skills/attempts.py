@@ -25,8 +25,7 @@ class Way:
     """A way to learn a skill."""
 
     name: str
-    budget: tuple[Any, ...]
-    """What decides its results besides infant and seed, as plain data."""
+    budget: tuple[Any, ...]  # What decides its results besides infant and seed, as plain data.
     made: Callable[[Sequence[Job], ProgressCallback], Iterator[tuple[int, Attempt]]]
     """Yields the place of a job and what came of it, as soon as it is done."""
 

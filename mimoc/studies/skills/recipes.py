@@ -28,18 +28,14 @@ SWAY_STEP = 0.5  # What a unit of the vector is of a gain from what is felt to a
 class Recipe:
     """A kind of movement."""
 
-    joints: tuple[str, ...]
-    """The joints that move, without their side."""
+    joints: tuple[str, ...]  # The joints that move, without their side.
     postures: int
     posture_s: float
     moving_s: float
-    is_symmetric: bool = False
-    """Whether both sides do the same, but for what is felt of falling to a side."""
+    is_symmetric: bool = False  # Whether both sides do the same, but for what is felt of falling to a side.
     repeats: bool = False
-    is_mirrored: bool = False
-    """Whether both sides take turns."""
-    sways: bool = False
-    """Whether the infant leans against falling over."""
+    is_mirrored: bool = False  # Whether both sides take turns.
+    sways: bool = False  # Whether the infant leans against falling over.
     spread: float = 0.6
     """Of the first draws around where the infant begins, or around no command, in shares of half a range."""
     stiffness_per_rad: float = 0.0

@@ -40,24 +40,18 @@ class Outcome:
     """What a search has found."""
 
     movement: Postures
-    success: float
-    """Share of starts that the search has not seen in which the infant has the skill."""
-    tried: int
-    """Number of episodes that were tried."""
-    curve: tuple[float, ...]
-    """Mean score of the kept movements, in each round."""
+    success: float  # Share of starts that the search has not seen in which the infant has the skill.
+    tried: int  # Number of episodes that were tried.
+    curve: tuple[float, ...]  # Mean score of the kept movements, in each round.
 
 
 @dataclass(frozen=True)
 class Candidate:
     """A movement that may be the best, and what came of it."""
 
-    vector: FloatArray
-    """The numbers that it is made from, shape (v,)."""
-    scores: tuple[float, ...] = ()
-    """Its score in each start that it was tried in."""
-    successes: tuple[bool, ...] = ()
-    """Whether the infant had the skill, in each of them."""
+    vector: FloatArray  # The numbers that it is made from, shape (v,).
+    scores: tuple[float, ...] = ()  # Its score in each start that it was tried in.
+    successes: tuple[bool, ...] = ()  # Whether the infant had the skill, in each of them.
 
     @property
     def score(self) -> float:

@@ -63,8 +63,7 @@ class End(NamedTuple):
     """How a task has ended."""
 
     how: str
-    on_purpose: bool = False
-    """Whether somebody has cancelled it, so that it is not to be done again."""
+    on_purpose: bool = False  # Whether somebody has cancelled it, so that it is not to be done again.
 
 
 class RefusedError(MimocError):
@@ -80,11 +79,7 @@ class Cluster(Protocol):
         ...
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
-        """Begin tasks; return a name for each.
-
-        Raises:
-            RefusedError: If the cluster does not take them.
-        """
+        """Begin tasks; return a name for each. Raise a RefusedError if the cluster does not take them."""
         ...
 
     def ended(self) -> Mapping[str, End]:
@@ -135,11 +130,7 @@ def tasks_of(jobs: Sequence[Job], jobs_per_task: int | None) -> list[Task]:
 
 
 def check_positive(options: Mapping[str, Any]) -> None:
-    """Check that all numbers among some options are above zero.
-
-    Raises:
-        MimocError: If one is not.
-    """
+    """Check that all numbers among some options are above zero; raise a MimocError if one is not."""
     for name, value in options.items():
         if not isinstance(value, str) and value is not None and value <= 0:
             raise MimocError(f"{name}: {value} is too few; give a number above 0")

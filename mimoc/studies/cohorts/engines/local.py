@@ -62,11 +62,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check the number of processes.
-
-    Raises:
-        MimocError: If there would be none.
-    """
+    """Check the number of processes; raise a MimocError if there would be none."""
     if (number := options.get("processes") or 1) < 1:
         raise MimocError(f"{number} processes can do nothing; give at least 1")
 

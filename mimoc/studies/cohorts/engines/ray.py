@@ -51,11 +51,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check that numbers are positive, and that something answers at the address.
-
-    Raises:
-        MimocError: If not.
-    """
+    """Check that numbers are positive, and that something answers at the address; raise a MimocError if not."""
     check_positive(options)
     address = _address(options)
     if address in FOUND_BY_RAY:

@@ -52,11 +52,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check that SLURM is here, and that numbers are positive.
-
-    Raises:
-        MimocError: If not.
-    """
+    """Check that SLURM is here, and that numbers are positive; raise a MimocError if not."""
     check_positive(options)
     if missing := [name for name in ("sbatch", "squeue", "scancel") if not shutil.which(name)]:
         raise MimocError(f"there is no SLURM here: no command '{missing[0]}'; run this where SLURM jobs are submitted")

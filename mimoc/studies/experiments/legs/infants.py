@@ -33,15 +33,11 @@ class Setup:
     age_months: float
     held: bool = False
     """Whether trunk, head and arms are held upright, the soles on the floor; otherwise it lies on its back."""
-    left_kg: float = 0.0
-    """Weight at the left ankle."""
+    left_kg: float = 0.0  # Weight at the left ankle.
     right_kg: float = 0.0
-    tied: Literal["", "left", "right"] = ""
-    """The leg whose ankle a ribbon ties to a mobile; no leg if empty."""
-    strength: float = 1.0
-    """Factor on the strength of the legs."""
-    feels: bool = False
-    """Whether it has touch and balance, which reflexes need."""
+    tied: Literal["", "left", "right"] = ""  # The leg whose ankle a ribbon ties to a mobile; no leg if empty.
+    strength: float = 1.0  # Factor on the strength of the legs.
+    feels: bool = False  # Whether it has touch and balance, which reflexes need.
 
 
 def open_infant(setup: Setup) -> InfantEnv:

@@ -41,14 +41,10 @@ class StepCase:
 
     age_months: float
     seconds: float
-    weight_kg: float = 0.0
-    """At each ankle."""
-    water: bool = False
-    """Whether it stands in water up to the chest."""
-    strength: float = 1.0
-    """Factor on the strength of its legs."""
-    reflex: bool = False
-    """Whether the policy `reflexes` steps instead of the simple drive."""
+    weight_kg: float = 0.0  # At each ankle.
+    water: bool = False  # Whether it stands in water up to the chest.
+    strength: float = 1.0  # Factor on the strength of its legs.
+    reflex: bool = False  # Whether the policy `reflexes` steps instead of the simple drive.
 
 
 class AlternateSteps:

@@ -30,10 +30,8 @@ class Result(Model):
 class Trial:
     """Something that is done with an infant, once for a seed."""
 
-    run: Callable[[Any, int], Result]
-    """A function of a module, from what is tried and a seed to what came of it."""
-    case: Any
-    """What is tried: a frozen dataclass of plain values."""
+    run: Callable[[Any, int], Result]  # A function of a module, from what is tried and a seed to what came of it.
+    case: Any  # What is tried: a frozen dataclass of plain values.
     seed: int
 
 

@@ -27,12 +27,9 @@ MEAN_S = 0.05
 class Kick:
     """What a burst at the hip does."""
 
-    excursion_deg: float
-    """How far the hip has bent at most."""
-    seconds: float | None
-    """Time to `ENOUGH_DEG`; None if it does not bend so far."""
-    acceleration_m_s2: float
-    """Peak acceleration of the foot until then."""
+    excursion_deg: float  # How far the hip has bent at most.
+    seconds: float | None  # Time to `ENOUGH_DEG`; None if it does not bend so far.
+    acceleration_m_s2: float  # Peak acceleration of the foot until then.
 
 
 def kick(infant: TrialInfant, start: mujoco.MjData, hip: float, knee: float) -> Kick:

@@ -26,14 +26,10 @@ JOINTS = {"hip": "left_hip1", "knee": "left_knee", "shoulder": "left_shoulder_ad
 class Swing:
     """What a limb does that is let go."""
 
-    swings: float
-    """Number of whole swings; a half swing ends where the limb turns, and counts half."""
-    rest_deg: float
-    """Angle of the limb to the vertical where it comes to rest, between hinge and centre of mass."""
-    index: float
-    """The first half swing by the angle from start to rest: 1 does not swing, 2 is not damped."""
-    period_s: float | None
-    """Time of the first whole swing; None if there is none."""
+    swings: float  # Number of whole swings; a half swing ends where the limb turns, and counts half.
+    rest_deg: float  # Angle of the limb to the vertical where it comes to rest, between hinge and centre of mass.
+    index: float  # The first half swing by the angle from start to rest: 1 does not swing, 2 is not damped.
+    period_s: float | None  # Time of the first whole swing; None if there is none.
 
 
 def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[str, float]) -> Swing:

@@ -28,12 +28,9 @@ ABOVE_M = 0.2
 class Reach:
     """What came of a reach."""
 
-    miss_m: float
-    """Distance of the hand from its goal at the end."""
-    peak_m_s: float
-    """Greatest speed of the hand."""
-    way_m: float
-    """Distance of the goal from where the hand began."""
+    miss_m: float  # Distance of the hand from its goal at the end.
+    peak_m_s: float  # Greatest speed of the hand.
+    way_m: float  # Distance of the goal from where the hand began.
 
 
 def reach(infant: TrialInfant, planned_s: float) -> Reach:

@@ -37,8 +37,7 @@ class Roller:
 
     infant: TrialInfant
     start: mujoco.MjData = field(init=False)
-    moved: IntArray = field(init=False)
-    """Indices of the driven hinges that move, shape (m,)."""
+    moved: IntArray = field(init=False)  # Indices of the driven hinges that move, shape (m,).
 
     def __post_init__(self) -> None:
         """Lay the infant down."""

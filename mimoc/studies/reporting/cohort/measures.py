@@ -29,12 +29,9 @@ class Measure:
     """A measure of the jobs of a step."""
 
     quantity: Quantity
-    step: str
-    """Empty for a measure of the body, which all steps share."""
-    rows: Rows
-    """The rows that have it."""
-    values: tuple[float, ...]
-    """Of each of these rows."""
+    step: str  # Empty for a measure of the body, which all steps share.
+    rows: Rows  # The rows that have it.
+    values: tuple[float, ...]  # Of each of these rows.
 
     @property
     def title(self) -> str:
