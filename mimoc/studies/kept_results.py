@@ -28,13 +28,7 @@ def software() -> Mapping[str, str]:
 
 
 def kept_file(folder: Path, name: str, *what: Any) -> Path:
-    """Return the file of a result.
-
-    Args:
-        folder: Of the results of one kind.
-        name: What its name begins with.
-        what: All that decides the result besides the software, as plain data for JSON.
-    """
+    """Return the file of a result in a folder; *what* decides it besides the software, as data for JSON."""
     text = json.dumps([name, what, software()], sort_keys=True)
     return folder / f"{name}-{sha256(text.encode()).hexdigest()[:16]}.json"
 

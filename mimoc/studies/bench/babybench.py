@@ -125,10 +125,8 @@ class RegardLog:
     def __init__(self, env: InfantEnv, *, in_sight: bool = False):
         """Begin an episode.
 
-        Args:
-            env: The infant.
-            in_sight: Whether eyes look where their cameras look. BabyBench takes the axis -z of the eye's body, which
-                points down: the cameras of MIMo's eyes look along x.
+        BabyBench looks along the axis -z of the eye's body, which points down: the cameras of MIMo's eyes look along x,
+        and *in_sight* looks where they do.
         """
         self._env, self._in_sight = env, in_sight
         self._eyes = {eye.side: eye for eye in env.manifest.anatomy.eyes}

@@ -74,12 +74,7 @@ class _Tally:
 
 
 def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
-    """Return the scores of a policy in a task at an age.
-
-    Args:
-        cell: The task and the age.
-        policy: The policy, as `bound_policy` takes it; it is made anew.
-        episodes: Number of episodes, whose seeds are the first of those for tests.
+    """Return the scores of a policy, made anew, in the first test episodes of a task at an age.
 
     Raises:
         MimocError: If the policy does not fit, or fails.
@@ -143,11 +138,8 @@ def wilson_interval(successes: int, count: int) -> tuple[float, float]:
 def movements_in(path_m: FloatArray, step_s: float) -> list[Movement]:
     """Return the movements of a hand or a foot, of 2 s each; those slower than 5 cm/s throughout are left out.
 
-    Args:
-        path_m: Its places after each control step of an episode, shape (t, 3).
-        step_s: Length of a control step.
-
-    What is left at the end is left out, but for an episode that is shorter than 2 s.
+    Its places after each control step of an episode have the shape (t, 3). What is left at the end is left out, but for
+    an episode that is shorter than 2 s.
     """
     steps = round(WINDOW_S / step_s)
     whole = range(0, len(path_m) - steps, steps)

@@ -56,12 +56,9 @@ class Plan:
 
 
 def plan(cohort: Cohort, out: str | Path, progress: Progress = lambda done, total: None) -> Plan:
-    """Return what a cohort will take, after a trial of each step that is not done.
+    """Return what a cohort will take, after a trial of each step that is not done; nothing is written to its folder.
 
-    Args:
-        cohort: The cohort.
-        out: The folder of the cohort, which need not exist; nothing is written to it.
-        progress: Called with the number of steps tried and their total.
+    Progress is in steps tried.
 
     Raises:
         SpecError: If some combinations of values are invalid, or a step is.

@@ -30,11 +30,7 @@ def rows_of(
 ) -> list[dict[str, Cell]]:
     """Return a row for each job: its factors, step and seed, what was measured, and the versions of the software.
 
-    Args:
-        jobs: The jobs, in the order of the rows.
-        store: The folder of the cohort.
-        measures: The measures to show; none is every one that any job has.
-        progress: Called with the number of results read and their total.
+    Without *measures*, every one is shown that any job has; progress is in results read.
     """
     results = list[Result]()
     for job in jobs:

@@ -89,14 +89,9 @@ def reach_with_variants(
     most_s: float,
     counted: Callable[[object], object],
 ) -> Reaches:
-    """Let the infant of each variant reach with each delay, for the same number of targets.
+    """Let the infant of each variant reach with each delay, for the same targets; *counted* is called for each infant.
 
-    Args:
-        variants: The infants.
-        development: Law of development of those that do not have the other.
-        count: Number of reaches with each delay.
-        most_s: Simulated time after which a reach is given up.
-        counted: Called with the reaches of each infant.
+    A reach is given up after *most_s* of simulated time.
     """
     reaches: dict[tuple[Variant, float], Sequence[Reach]] = {}
     for variant in variants:

@@ -51,10 +51,7 @@ class Session:
 
 
 def run(notebook: Notebook) -> Path:
-    """Let pairs of infants be with a caregiver, and return the path of the report.
-
-    An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
-    """
+    """Let pairs of infants be with a caregiver, and return the path of the report."""
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
     case = Phases(tuple(phases_s.values()), COMPARED_S)
     results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
@@ -126,13 +123,7 @@ def pair(case: Phases, seed: int) -> Result:
 
 
 def session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Session:
-    """Return what an infant does by a caregiver, who answers it, or at some times whatever it does.
-
-    Args:
-        case: The session.
-        seed: Of the infant and its movement.
-        yoked_s: When it is answered; none to answer its kicks.
-    """
+    """Return what an infant does by a caregiver, who answers its kicks, or at some times whatever it does."""
     with closing(InfantEnv(bundle_of(case, yoked_s))) as env:
         mover, learner, gains = Mover(env, seed), GainLearner(), list[FloatArray]()
         env.set_arousal(AROUSAL)

@@ -203,10 +203,7 @@ def _comparison(groups: Groups) -> dict[str, str]:
 
 
 def _less_smooth(groups: Groups) -> str:
-    """Return whether movements are less smooth with each longer delay by every measure, or by which of them they are.
-
-    So it agrees with the page's list of these measures.
-    """
+    """Return whether movements are less smooth with each longer delay by every measure, or by which measures."""
     by = [name for _, name, measure in LESS_SMOOTH if _rising(groups, measure)]
     if len(by) == len(LESS_SMOOTH):
         return "yes"

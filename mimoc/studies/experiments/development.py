@@ -51,10 +51,7 @@ Reached = Mapping[str, Mapping[str, float | None]]  # Youngest age, if it is rea
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of many ages try what real infants learn to do, and return the path of the report.
-
-    An interrupted run goes on with the searches that it had not finished, if its folder is the same.
-    """
+    """Let infants of many ages try what real infants learn to do, and return the path of the report."""
     quick = notebook.quick
     months, sitting = (QUICK_MONTHS, QUICK_SITTING_MONTHS) if quick else (MONTHS, SITTING_MONTHS)
     names = QUICK_NAMES if quick else NAMES

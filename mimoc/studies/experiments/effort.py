@@ -82,11 +82,7 @@ def efforts(
 ) -> Iterator[Effort]:
     """Yield the trajectory of each behaviour of the average child, all from the same resting state.
 
-    Args:
-        development: Law of development.
-        age_months: Age of the body.
-        model: Actuation model.
-        strength_age_months: Age that determines the strength, if it differs from that of the body.
+    Its strength is that of another age if `strength_age_months` says so.
     """
     builder = lying(development, age_months, model, strength_age_months)
     with closing(InfantEnv(builder(0, check=False))) as env:

@@ -151,13 +151,7 @@ def _tested(notebook: Notebook, bundle: Bundle, folder: Path) -> tuple[list[Epis
 
 
 def comparison(groups: Groups, untrained: Sequence[Episode], ages_months: tuple[float, float]) -> dict[str, object]:
-    """Return what the page tells of the results, and of what they can show.
-
-    Args:
-        groups: The infants by schedule; `grown` and `adult` are among them.
-        untrained: Reaches of a random policy for the same balls.
-        ages_months: The youngest and the oldest age.
-    """
+    """Return what the page tells of results by schedule, `grown` and `adult` among them, and of what they can show."""
     youngest, oldest = ages_months
     stages = round((oldest - youngest) / STAGE_MONTHS) + 1
     schedules = "\n".join(f"- `{name}`: {meaning};" for name, meaning in COURSES.items()).removesuffix(";") + "."

@@ -81,13 +81,9 @@ def infant(age_months: float, delay: str) -> InfantSpec:
 
 
 def reach_at_ages(months: Sequence[float], count: int, most_s: float, counted: Callable[[Group], Group]) -> list[Group]:
-    """Let infants of some ages reach with each delay, for the same number of targets.
+    """Let infants of some ages reach with each delay, for the same targets; *counted* is called for each infant.
 
-    Args:
-        months: Ages, in months.
-        count: Number of reaches of each infant.
-        most_s: Simulated time after which a reach is given up.
-        counted: Called with the reaches of each infant.
+    A reach is given up after *most_s* of simulated time.
     """
     groups = []
     for age_months in months:
@@ -150,12 +146,7 @@ SMOOTHER = {"movement_units": -1, "path_ratio": -1, "spectral_arc_length": 1, "l
 
 
 def infants_text(groups: Sequence[Group], most_s: float) -> str:
-    """Return the part of the report on infants: method with measurements, and comparison.
-
-    Args:
-        groups: The reaches by age and delay, the youngest first, in the order of `DELAYS`.
-        most_s: Simulated time after which a reach was given up.
-    """
+    """Return the part of the report on infants, the youngest first, by delays in the order of `DELAYS`."""
     of_age = by_delay(groups)[OWN]
     ages = [group.age_months for group in of_age]
     *younger, oldest = (f"{age:g}" for age in ages)

@@ -118,10 +118,7 @@ Seeds = Sequence[Mapping[str, float]]  # Measures of each seed.
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of several ages kick, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants of several ages kick, and return the path of the report."""
     quick = notebook.quick
     months, weeks = (QUICK_MONTHS, QUICK_WEEKS) if quick else (MONTHS, WEEKS)
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)

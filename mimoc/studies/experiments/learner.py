@@ -121,13 +121,9 @@ def learning_plot(groups: Mapping[str, Sequence[Learner]], y: Quantity, title: s
 def banded_plot(
     curves: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]], y: Quantity, title: str, level: float | None = None
 ) -> Plot:
-    """Return the means over seeds, with bands from the least to the greatest.
+    """Return the means over seeds, with bands from the least to the greatest, and a horizontal line at *level*.
 
-    Args:
-        curves: Steps, shape (n,), and values of all seeds, shape (m, n), by label.
-        y: What the values are.
-        title: Title of the plot.
-        level: Value marked by a horizontal line.
+    Curves are steps, shape (n,), and values of all seeds, shape (m, n), by label.
     """
     lines, bands = [], []
     for label, (steps, values) in curves.items():

@@ -107,10 +107,7 @@ def eyes_of(age_months: float, keys: tuple[tuple[str, str], ...] = ()) -> Eyes:
 
 
 def right_choices(contrasts: FloatArray) -> float:
-    """Return the share of right choices: the side with more contrast, plus noise, is looked at; the right one is last.
-
-    With the difference d and noise s on each side, this is Φ(d / (s √2)).
-    """
+    """Return Φ(d / (s √2)), the share of right choices with the difference d of contrasts and noise s on each side."""
     plain, grating = contrasts
     return NormalDist(0, NOISE * math.sqrt(2)).cdf(float(grating - plain))
 
@@ -147,10 +144,7 @@ def contrast_thresholds(age_months: float) -> Iterator[tuple[float, Threshold]]:
 
 
 def crossing(values: Sequence[float], shares: Sequence[float]) -> float:
-    """Return where the share of right choices first reaches the threshold and stays there, between two of some values.
-
-    It is interpolated evenly in the logarithm of the values; NaN if that is nowhere.
-    """
+    """Return from which value on the share of right choices is at the threshold, by logarithms of values; or NaN."""
     missed = [index for index, share in enumerate(shares) if share < RIGHT]
     if not missed or missed[-1] + 1 == len(shares):
         return math.nan if missed else float(values[0])

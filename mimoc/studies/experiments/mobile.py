@@ -69,10 +69,7 @@ class Session:
 
 
 def run(notebook: Notebook) -> Path:
-    """Let pairs of infants lie under a mobile, and return the path of the report.
-
-    An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
-    """
+    """Let pairs of infants lie under a mobile, and return the path of the report."""
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
     case = Phases(tuple(phases_s.values()), COMPARED_S)
     results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
@@ -129,12 +126,8 @@ def pair(case: Phases, seed: int) -> Result:
 def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Session:
     """Return what an infant does under a mobile that it sees during acquisition only.
 
-    Its leg is tied to a mobile all the time, so that the ribbon pulls alike in all phases.
-
-    Args:
-        case: The session.
-        seed: Of the infant, its movement and what it tries.
-        others_m_s: How fast the mobile that it sees moves in each window; None is its own, tied to its left leg.
+    Its leg is tied to a mobile all the time, so that the ribbon pulls alike in all phases. What it sees moves in each
+    window as fast as *others_m_s* say, or, without them, as its own.
     """
     seen_from, seen_to, windows = (round(end_s / WINDOW_S) for end_s in case.ends_s)
     with closing(open_infant(Setup(AGE_MONTHS, tied="left"))) as env:

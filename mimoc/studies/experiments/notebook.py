@@ -73,16 +73,7 @@ class Notebook:
         return lambda done, _: self.progress(before + min(done, size), total)
 
     def write_table(self, file: str, heading: str, rows: Iterable[Sequence[Cell]]) -> None:
-        """Write a CSV; the same numbers give the same bytes.
-
-        Args:
-            file: Its name.
-            heading: Its first line: names with units, separated by commas.
-            rows: The cells below it.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write a CSV with a heading of names separated by commas; the same numbers give the same bytes."""
         text = io.StringIO()
         lines = csv.writer(text, lineterminator="\n")
         lines.writerow(heading.split(","))
@@ -136,11 +127,7 @@ def open_notebook(
     development: Development | None = None,
     progress: Progress | None = None,
 ) -> Notebook:
-    """Return the notebook for a folder, which is created if necessary.
-
-    Raises:
-        OutputError: If the folder cannot be created.
-    """
+    """Return the notebook for a folder, which is created if necessary; raise an OutputError if it cannot be created."""
     path = Path(os.path.expanduser(folder))
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -125,13 +125,8 @@ def contrasts_of(
     """Return the contrast of a thing as it is drawn and as it is observed, from pictures with and without it.
 
     It is the root mean square of the difference in luminance that the thing makes, over the pixels in which it is
-    drawn, divided by the mean luminance that is drawn without it. Nothing drawn has none.
-
-    Args:
-        drawn: Luminance that is drawn with it, shape (eyes, height, width).
-        drawn_without: Likewise without it.
-        observed: Luminance that the infant observes.
-        observed_without: Likewise without it.
+    drawn, divided by the mean luminance that is drawn without it. Nothing drawn has none. All have the shape
+    (eyes, height, width).
     """
     change = drawn - drawn_without
     is_it = change != 0
@@ -144,10 +139,7 @@ def contrasts_of(
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of several ages lie under a mobile, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants of several ages lie under a mobile, and return the path of the report."""
     months, seeds = (QUICK_MONTHS, QUICK_SEEDS) if notebook.quick else (MONTHS, SEEDS)
     seconds = QUICK_SECONDS if notebook.quick else SECONDS
     cases = [Case(age_months, name, seconds) for name in POLICIES for age_months in months]
@@ -250,10 +242,7 @@ class Watcher:
             self._depths_m += hand.depths_m[hand.angles_deg <= self._noticed_deg].tolist()
 
     def values(self) -> dict[str, float]:
-        """Return the share of the time of everything, [%], when the gaze came to the mobile, and how far hands were.
-
-        What never was is left out.
-        """
+        """Return shares of the time, [%], when the gaze came to the mobile, and how far hands were."""
         values = {name: 100 * float(np.mean([item[name] for item in self._instants])) for name in self._instants[0]}
         is_on = np.array(self._angles_deg) <= ON_DEG
         values |= {"gaze_on": 100 * float(is_on.mean()), "gaze_deg": float(np.median(self._angles_deg))}

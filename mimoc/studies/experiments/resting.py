@@ -97,11 +97,7 @@ PICTURE_PX = (150, 150)
 
 
 def try_to_sit(development: Development, age_months: float) -> Picture:
-    """Let the average child of an age try to sit, and show how its longest attempt ended: its age, and how long it sat.
-
-    Raises:
-        RenderingError: If OpenGL is not available.
-    """
+    """Let the average child of an age try to sit, and show how its longest attempt ended."""
     infant = _average_child(development, age_months)
     best, outcome = mujoco.MjData(infant.model), Outcome(False, -1.0)
     for attempt in TRIALS["sit"].attempts(infant):

@@ -80,11 +80,7 @@ class Inventory:
 
 
 def take_inventory(builder: Builder, seed: int) -> Inventory:
-    """Return the contents of a spec's room for a seed; the infant must have arms.
-
-    Raises:
-        SpecError: If there is not enough space for the toys.
-    """
+    """Return the contents of a spec's room for a seed; the infant must have arms."""
     furnished = builder.furnished(seed)
     room = furnished.scene
     start = next(keyframe for keyframe in room.keyframes if keyframe.name == builder.spec.scene.pose)

@@ -155,10 +155,7 @@ class SensedController:
 
 
 def place_in_front(env: InfantEnv, generator: np.random.Generator, share: float = REACH_SHARE) -> FloatArray:
-    """Return a random place in front of the right shoulder, as toys are shown to infants, shape (3,), [m].
-
-    It is a *share* of the arm's length away: the same places, by the size of the arm, at all ages.
-    """
+    """Return a random place in front of the right shoulder, a *share* of the arm's length away, shape (3,), [m]."""
     shoulder_m, elbow_m, palm_m = (
         env.data.body("right_upper_arm").xpos,
         env.data.body("right_lower_arm").xpos,
@@ -182,15 +179,9 @@ def reach_once(
     gains: str = GAINS,
     share: float = REACH_SHARE,
 ) -> Reach:
-    """Let an infant reach once for a random target, and return its movement.
+    """Let an infant, which is reset, reach once for a random target, and return its movement.
 
-    Args:
-        env: The infant, which is reset.
-        seed: Seed of its noise.
-        generator: Source of the target.
-        most_s: Simulated time after which the reach is given up.
-        gains: Key of `GAIN_SETS`.
-        share: Distance of the target from the shoulder, by the length of the arm.
+    It is given up after *most_s* of simulated time; the target is a *share* of the arm's length from the shoulder.
     """
     observation, _ = env.reset(seed=seed)
     control, step_s = SensedController(env, gains), ms_to_s(env.manifest.step_ms)

@@ -36,10 +36,7 @@ Steps = Mapping[StepCase, Values]
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of several ages step, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants of several ages step, and return the path of the report."""
     quick = notebook.quick
     months, loads_kg = (QUICK_MONTHS, QUICK_LOADS_KG) if quick else (MONTHS, LOADS_KG)
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)

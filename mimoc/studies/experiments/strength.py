@@ -35,12 +35,7 @@ LAW_MONTHS = 3  # Age from which on the time is compared; a newborn does not rea
 
 
 def is_faster_with_age(efforts: Iterable[Effort], within_s: float = 0.0) -> bool:
-    """Return whether the time to 60 degrees decreases from each age to the next, from three months on.
-
-    Args:
-        efforts: Measurements, youngest first.
-        within_s: Increases below this are ignored.
-    """
+    """Return whether the time to 60 degrees falls with age from 3 months on, but for rises below *within_s*."""
     times_s = [effort.time_to_s(TARGET_DEG) for effort in efforts if effort.age_months >= LAW_MONTHS]
     return all(a is not None and b is not None and a + within_s > b for a, b in pairwise(times_s))
 

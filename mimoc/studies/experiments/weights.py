@@ -70,10 +70,7 @@ Steps = Mapping[StepCase, Values]
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants kick and step with weights, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants kick and step with weights, and return the path of the report."""
     quick = notebook.quick
     weeks, step_weeks = (QUICK_WEEKS, QUICK_STEP_WEEKS) if quick else (WEEKS, STEP_WEEKS)
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)

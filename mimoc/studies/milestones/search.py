@@ -79,13 +79,7 @@ def search_downwards(ages: Sequence[float], run: Try) -> SearchResult:
 
 
 def walk(ages: Sequence[float], near_months: float, run: Try) -> SearchResult:
-    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does.
-
-    Args:
-        ages: Ages to try, the youngest first.
-        near_months: The one to begin with.
-        run: Returns the outcome at an age.
-    """
+    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does."""
     at = ages.index(near_months)
     outcomes = {near_months: run(near_months)}
     if outcomes[near_months].success:
@@ -139,16 +133,7 @@ def search(
     processes: int = 1,
     progress: Progress | None = None,
 ) -> Mapping[str, SearchResult]:
-    """Return what is found for each trial, by name.
-
-    Args:
-        spec: The infant; its age is not used.
-        conditions: Conditions of the trials.
-        names: The trials, of one with sides also `arm_out:left`.
-        ages: Ages to try, in months.
-        processes: Number of processes; with 1, everything runs in this one.
-        progress: Called after each search.
-    """
+    """Return what is found for each trial, by name, of one with sides also `arm_out:left`; progress is in ages."""
     written = spec.model_dump_json()
 
     def find(name: str, attempt: AttemptAt) -> SearchResult:
@@ -167,8 +152,7 @@ def _searched(
 ) -> Iterator[tuple[Item, SearchResult]]:
     """Yield items with the results of their searches, in the order in which they come.
 
-    With one process, everything runs in this one. Otherwise all searches wait side by side for their attempts, which
-    run in processes that leave Ctrl-C to this one.
+    With several processes, all searches wait side by side for their attempts, which run there.
     """
     if processes == 1:
         for item in items:
@@ -209,14 +193,7 @@ def run_searches(
 ) -> Mapping[Case, SearchResult]:
     """Return what is found in each case; of searches that the same software has finished in this folder, what it found.
 
-    Args:
-        cases: What to search for.
-        folder: Where each result is written as soon as it is there.
-        processes: Number of processes; with 1, everything runs in this one.
-        finished: Called after each search.
-
-    Raises:
-        OutputError: If a result cannot be written.
+    Each result is written as soon as it is there; *finished* is called after each search.
     """
     results = {case: result for case in cases if (result := _read(folder, case)) is not None}
     for _ in results:

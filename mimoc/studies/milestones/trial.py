@@ -30,12 +30,7 @@ class Estimator:
     """
 
     def __init__(self, model: mujoco.MjModel, sensed_steps: IntArray):
-        """Begin without a past.
-
-        Args:
-            model: The infant and its floor.
-            sensed_steps: Physics steps after which the place and speed of each joint are known, shape (njnt,).
-        """
+        """Begin without a past; place and speed of each joint are known after *sensed_steps*, shape (njnt,)."""
         self._model, self._estimate = model, mujoco.MjData(model)
         of_speeds = sensed_steps[model.dof_jntid]
         ends = [*model.jnt_qposadr[1:].tolist(), model.nq]
@@ -134,11 +129,7 @@ class Trial:
 def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, side: str = "") -> Outcome:
     """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
 
-    Args:
-        trial: The trial.
-        infant: Who tries.
-        conditions: Under which conditions.
-        side: Of a trial with sides, `left` or `right`; none is either.
+    Of a trial with sides, only attempts with one *side* count, or with either.
     """
     best = Outcome(False, 0.0, "this infant lacks a part that the trial needs")
     for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():

@@ -46,12 +46,9 @@ class Drive:
         self._scratch = mujoco.MjData(model)
 
     def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:
-        """Return the controls, shape (nu,), in a state.
+        """Return the controls, shape (nu,), in a state, for shares of the strength of some hinges, without `robot:`.
 
-        Args:
-            data: The state.
-            shares: By hinge, without `robot:`, the share of its strength, above 0 towards positive angles; all others
-                are quiet. Hinges that this infant lacks are left out.
+        Above 0 is towards positive angles. All other hinges are quiet; those that this infant lacks are left out.
         """
         by_joint = np.array([shares.get(name, 0.0) for name in self._infant.joint_names])
         return self.controls(data, by_joint)

@@ -61,14 +61,9 @@ class Form:
     """From vectors to movements of an infant."""
 
     def __init__(self, recipe: Recipe, task: str, age_months: float, joints: tuple[str, ...], start: FloatArray):
-        """Say what a movement is made of.
+        """Say what a movement of the task's recipe is made of, for all hinges that can be commanded.
 
-        Args:
-            recipe: The kind of movement.
-            task: The skill.
-            age_months: The infant's age.
-            joints: All hinges that can be commanded.
-            start: The angle of each at the start, in shares of its range, shape (n,).
+        Each starts at some share of its range, shape (n,).
         """
         kept = [place for place, joint in enumerate(joints) if _name(joint) in recipe.joints]
         self.recipe, self.task, self.age_months = recipe, task, age_months

@@ -105,14 +105,9 @@ def search(
     starts: int = 20,
     progress: Callable[[int], None] = lambda tried: None,
 ) -> Outcome:
-    """Return the best movement that a search finds for the task of an infant.
+    """Return the best movement that a search finds for a task, measured in *starts* that it has not seen.
 
-    Args:
-        env: The infant.
-        seed: Of the draws, and of the starts they are tried in.
-        tries: How many episodes there are at most, in rounds and in checks of the best; one round at least.
-        starts: In how many other starts the result is measured.
-        progress: Called with how many were tried.
+    There are at most as many tries as asked for, in rounds and in checks of the best; one round at least.
     """
     searcher, random = Searcher(env), np.random.default_rng(seed)
     scale, first = searcher.form.scale(), FIRST_TRY * (seed + 1)
@@ -141,14 +136,9 @@ def search(
 def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tries: int) -> tuple[Candidate, int]:
     """Return the best of some candidates, and the number of tries that this took, by successive halving.
 
-    All are tried in a few starts, the better half of them in more, and so on, until one is left: the one with the
-    skill in most of these starts, or with the best score if that is as many. Without enough tries it is the first one.
-
-    Args:
-        searcher: What tries them.
-        candidates: What was tried of them before does not count.
-        first: Seed of the first of these starts.
-        tries: How many there are at most, the same share of them for each halving.
+    All are tried anew in a few starts, the better half of them in more, and so on, until one is left: the one with the
+    skill in most of these starts, or with the best score if that is as many. Each halving has the same share of all
+    tries; without enough of them it is the first one.
     """
     left, seed, tried = [Candidate(candidate.vector) for candidate in candidates], first, 0
     halvings = (len(left) - 1).bit_length()

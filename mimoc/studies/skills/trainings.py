@@ -36,17 +36,9 @@ def trainings(
     out: Path,
     processes: int,
 ) -> Iterator[tuple[int, Attempt]]:
-    """Train a policy for each of some infants and seeds on a device, and yield the place of each and what came of it.
+    """Train policies for infants with seeds on a device side by side; yield the place of each and what came of it.
 
-    Args:
-        jobs: Infants and seeds.
-        progress: Called with the number of control steps done, and of all.
-        steps: Control steps of each training.
-        starts: Number of starts in which each policy is measured.
-        device: Where the infants live.
-        envs: Number of infants of each training.
-        out: Folder of the results.
-        processes: How many policies are measured side by side.
+    Progress is in control steps; each policy is measured in some starts, by several processes.
     """
     wishes, names = dict[int, Wish](), dict[int, str]()
     for place, (spec, seed) in enumerate(jobs):

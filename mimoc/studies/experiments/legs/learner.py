@@ -63,11 +63,9 @@ class GainLearner:
         return np.exp(np.clip(EFFORT * self.strengths * np.abs(self.strengths), -LARGEST, LARGEST))
 
     def feel(self, reward: float, movement: FloatArray) -> None:
-        """Learn from a window that has just ended.
+        """Learn from a window that has just ended, in which what it sees moved by *reward*, [m/s].
 
-        Args:
-            reward: How fast what it sees has moved, [m/s]; next to 0 is nothing, of which nothing is learnt.
-            movement: How fast each limb has moved, in any unit, shape (6,).
+        Of next to no reward nothing is learnt; the movement of each limb, shape (6,), can have any unit.
         """
         keep = np.exp(-WINDOW_S / FORGETTING_S)
         self.strengths = keep * self.strengths

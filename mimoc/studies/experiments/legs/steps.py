@@ -48,10 +48,7 @@ class StepCase:
 
 
 class AlternateSteps:
-    """A policy that bends the legs of an infant with muscles in turn: activation is a share times sin² over a burst.
-
-    A leg that is not bent is stretched a little.
-    """
+    """Bends legs in turn: activation is a share times sin² over a burst; the other leg is stretched a little."""
 
     def __init__(self, env: Infant):
         """Look up the muscles."""
@@ -104,11 +101,7 @@ def summarise_steps(model: mujoco.MjModel, qpos: FloatArray, rate_hz: float) -> 
     """Return steps a minute of both legs, and mean rise of the foot and range of the hip of all tries, steps or not.
 
     A step is a maximum of the height of an ankle with a prominence of at least a tenth of the length of the leg.
-
-    Args:
-        model: The infant.
-        qpos: Its configurations, shape (t, nq).
-        rate_hz: Configurations per second.
+    Configurations have the shape (t, nq).
     """
     steps, lifts_cm, hips_deg = 0, [], []
     for side in SIDES:

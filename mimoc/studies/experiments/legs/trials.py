@@ -39,9 +39,6 @@ def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
     """Return what came of trials, in their order; those that an earlier run of the same software finished are kept.
 
     Quick experiments run in this process, others in as many as there are processors.
-
-    Raises:
-        OutputError: If a result cannot be written.
     """
     folder, count = notebook.folder, notebook.counter(len(trials))
     files = [_file(folder, trial) for trial in trials]

@@ -33,12 +33,8 @@ def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
     """Return the height above the shoulder that a hand keeps for one second, by the length of the arm.
 
     The elbow bends, the shoulder turns the upper arm up, and the elbow straightens, by smooth targets of the controller
-    of the milestones; everything but the arm is quiet. Best second of six.
-
-    Args:
-        infant: The infant.
-        pull: Force on the hand towards the toes all the while, in weights of the arm. The controller counters it as it
-            does weight, as newborns do that see their arm.
+    of the milestones; everything but the arm is quiet. Best second of six. A *pull* at the hand towards the toes, in
+    weights of the arm, is countered as weight is, as newborns do that see their arm.
     """
     resting = settled(infant, SETTLING_S)
     places = [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]

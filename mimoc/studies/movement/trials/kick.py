@@ -33,13 +33,9 @@ class Kick:
 
 
 def kick(infant: TrialInfant, start: mujoco.MjData, hip: float, knee: float) -> Kick:
-    """Return what comes of bending the left hip.
+    """Return what comes of bending the left hip from rest, with shares of the strength of hip and knee.
 
-    Args:
-        infant: The infant.
-        start: Lying on its back; it is taken to be at rest.
-        hip: Share of the strength of the hip's flexors.
-        knee: Share of the strength of the knee, above 0 stretching it.
+    The hip's is that of its flexors; above 0, the knee is stretched.
     """
     data, drive, step_s = again(infant, start, moving=False), Drive(infant), infant.model.opt.timestep
     before_deg, foot = angle_deg(infant, data, "left_hip1"), infant.model.body("left_foot").id

@@ -36,11 +36,7 @@ LEGS = tuple(f"{side}_{name}" for side in SIDES for name in ("hip1", "hip2", "hi
 def excursions(infant: TrialInfant, start: mujoco.MjData, share: float, seed: int | None = None) -> FloatArray:
     """Return the ranges of left and right hip, in [deg], in kicks with some share of their strength, shape (2,).
 
-    Args:
-        infant: The infant.
-        start: Where it begins; it is taken to be at rest.
-        share: Share of the strength of the hips' flexors; knees bend with half as much.
-        seed: Makes each kick stronger or weaker by up to `UNEVEN`; None makes all the same.
+    Knees bend with half of the share of the hips' flexors. A seed makes each kick stronger or weaker by up to `UNEVEN`.
     """
     data, drive, step_s = again(infant, start, moving=False), Drive(infant), infant.model.opt.timestep
     cycles = int(KICKING_S / CYCLE_S) + 1
@@ -55,10 +51,7 @@ def excursions(infant: TrialInfant, start: mujoco.MjData, share: float, seed: in
 
 
 def tilted(infant: TrialInfant, tilt_deg: float) -> TrialInfant:
-    """Return an infant that lies on a board, trunk, head and arms held, and is tilted with it: 90 degrees is upright.
-
-    Gravity is turned instead.
-    """
+    """Return an infant tilted with the board that it lies on, trunk, head and arms held; 90 degrees is upright."""
     model, supine = copy.copy(infant.model), infant.placed(-90.0, {})
     to_feet = np.sign(supine.body(ROOT).xpos[0] - supine.body("head").xpos[0])
     tilt_rad = deg_to_rad(tilt_deg)

@@ -33,13 +33,9 @@ class Swing:
 
 
 def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[str, float]) -> Swing:
-    """Return how a limb swings that is let go, all other joints held and nothing touched.
+    """Return how a limb of a slack infant swings that is let go at an angle, the trunk upright and nothing touched.
 
-    Args:
-        infant: A slack infant.
-        joint: The hinge that swings, without `robot:`.
-        start_deg: Its angle before it is let go.
-        posture_deg: Angles of the others, by hinge; the trunk is upright.
+    All other joints are held in a posture.
     """
     held = all_but(floating(infant), joint)
     data = held.placed(0.0, {**posture_deg, joint: start_deg}, ABOVE_M)

@@ -51,10 +51,7 @@ def _fold(subject: Subject) -> Values:
 
 
 def _folded(infant: TrialInfant, start: mujoco.MjData, knee: float) -> tuple[float, float]:
-    """Return how long the legs are after both hips have bent with all strength, and the knees with a share of it.
-
-    As seen from above, and in space.
-    """
+    """Return how long legs are, from above and in space, after hips bent with all strength, knees with a share."""
     data, drive = again(infant, start), Drive(infant)
     shares = {f"{side}_hip1": -1.0 for side in SIDES} | {f"{side}_knee": knee for side in SIDES}
     lengths = []

@@ -50,9 +50,7 @@ class Roller:
     def play(self, sequence: FloatArray) -> float:
         """Return how far chest and hips face down at the end, in [deg], the lesser: -90 on the back, 90 on the belly.
 
-        Args:
-            sequence: Angles of the joints that move in each posture, shape (postures * joints,), from -1 to 1 for the
-                ends of their ranges.
+        Angles are from -1 to 1 for the ends of their ranges, shape (postures * joints,).
         """
         infant, model = self.infant, self.infant.model
         data, drive = again(infant, self.start, moving=False), Drive(infant)
@@ -74,10 +72,7 @@ class Roller:
 def search_roll(infant: TrialInfant, rounds: int = ROUNDS, seed: int = 0) -> tuple[float, int]:
     """Return how far the best sequence turns an infant down, in [deg], and how many were tried.
 
-    Args:
-        infant: The infant.
-        rounds: How often sequences are drawn at most; the usual number takes two minutes of one core.
-        seed: Seed of the draws.
+    The usual number of rounds takes two minutes of one core.
     """
     roller, random = Roller(infant), np.random.default_rng(seed)
     mean, best_deg = np.zeros(POSTURES * len(roller.moved)), -90.0

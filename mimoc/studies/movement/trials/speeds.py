@@ -33,9 +33,7 @@ def places(data: mujoco.MjData) -> FloatArray:
 def speeds(trace: FloatArray, step_s: float) -> FloatArray:
     """Return the speeds of points by the central differences of a recording, shape (frames - 2, points).
 
-    Args:
-        trace: Places after each physics step, shape (steps, points, 2).
-        step_s: Time of a physics step.
+    Their places after each physics step have the shape (steps, points, 2).
     """
     count, points, _ = trace.shape
     times_s = np.arange(0.0, (count - 1) * step_s, 1 / FRAMES_HZ)

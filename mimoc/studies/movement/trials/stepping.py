@@ -27,10 +27,7 @@ PARTS = ("upper_leg", "lower_leg", "foot", "toes")
 def lifts(infant: TrialInfant, weight_kg: float = 0.0, *, water: bool = False) -> tuple[float, float]:
     """Return range and height of the left hip's lifts, in [deg]; the height is the most bent angle.
 
-    Args:
-        infant: The infant, whose trunk is held upright, so that its legs hang free.
-        weight_kg: Weight on each shank.
-        water: Whether it stands in water up to the hips.
+    The trunk is held upright, so that legs hang free, with weights on the shanks, or in water up to the hips.
     """
     joints = [f"{side}_{name}" for side in SIDES for name in ("hip1", "knee", "foot1")]
     held = all_but(with_weights(infant, weight_kg), *(joint for joint in joints if has_joint(infant, joint)))

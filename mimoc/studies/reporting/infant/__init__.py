@@ -25,13 +25,7 @@ def infant_page(
     check: bool,
     counterparts: Mapping[str, Bundle] | None = None,
 ) -> Page:
-    """Return the page of an infant, with a *check* that its simulation is stable or without.
-
-    Args:
-        bundle: The infant.
-        progress: Called with the number of steps done and their total.
-        check: Whether to check it.
-        counterparts: Infants to stand beside it, by what they are, such as `healthy`.
+    """Return the page of an infant, with a *check* that its simulation is stable or without, and with its counterparts.
 
     Raises:
         ModelError: If MuJoCo rejects its model.

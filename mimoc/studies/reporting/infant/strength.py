@@ -92,10 +92,7 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
 
 
 def _joint_notes(bundle: Bundle, outline: Silhouette, place: Place) -> Iterator[Note]:
-    """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other.
-
-    Where the sides differ, the text has both.
-    """
+    """Yield what is said of joints of the right side, which is on the left, or of both if they differ."""
     limits = torque_limits(bundle)
     for name, pattern in JOINTS.items():
         sides = [side for side in ("right", "left") if f"robot:{pattern.format(side=side)}" in limits]
