@@ -16,10 +16,10 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.intervals import band_of, interval
-from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
+from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 AGE_MONTHS = 3.0
@@ -54,11 +54,22 @@ def run(notebook: Notebook) -> Path:
     """Let pairs of infants be with a caregiver, and return the path of the report."""
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
     case = Phases(tuple(phases_s.values()), COMPARED_S)
-    results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
-    notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", _bins(results, seeds))
-    rows = ((seed, *item) for seed, result in zip(seeds, results, strict=True) for item in result.values.items())
-    notebook.write_table("contingency.csv", "seed,measure,value", rows)
+    by_case = run_cases(notebook, [(pair, case)], seeds)
+    results = by_case[case]
+    bins = (
+        (condition, seed, slot * BIN_S, rate)
+        for seed, result in zip(seeds, results, strict=True)
+        for condition in CONDITIONS
+        for slot, rate in enumerate(result.traces[f"{condition}_rate"])
+    )
+    notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", bins)
+    write_measures(notebook, "contingency.csv", by_case, seeds)
     notebook.write_plots("contingency.png", list(_plots(results, case)))
+    digits = {**dict.fromkeys(PHASES_S, 1), "leg_gain": 2, "arm_gain": 2, "answers": 2}
+    table = (
+        (name, *(interval(values_of(results, f"{name}_{column}")).text(count) for column, count in digits.items()))
+        for name in CONDITIONS
+    )
     page = notebook.write_page(
         None,
         "scipy",
@@ -69,12 +80,9 @@ def run(notebook: Notebook) -> Path:
         delay=DELAY_MS,
         pause=PAUSE_MS,
         attention=ATTENTION,
-        window=WINDOW_S,
-        largest=np.exp(LARGEST),
-        effort=EFFORT,
         arousal=AROUSAL,
-        forgetting=FORGETTING_S,
-        table=_table(results),
+        **PAGE_NUMBERS,
+        table=table_rows(table),
         answer=_answer(results),
         predictions=table_rows(direction_rows(_differences(results))),
     )
@@ -142,28 +150,13 @@ def session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Session:
 
 def _measures(case: Phases, infant: Session) -> dict[str, float]:
     """Return rates at the end of each phase, and the gain of the legs at the end of the interaction."""
-    last_s, values = case.compared_s, dict[str, float]()
-    values |= {phase: 60.0 * count / last_s for phase, count in zip(PHASES_S, case.counts(infant.kicks_s), strict=True)}
+    counts = zip(PHASES_S, case.counts(infant.kicks_s), strict=True)
+    values = {phase: 60.0 * count / case.compared_s for phase, count in counts}
     gains = infant.gains[round(case.ends_s[1] / WINDOW_S) - 1]
-    values["leg_gain"] = float(np.exp(np.log(gains[LEGS]).mean()))
     arms = [index for index in range(len(LIMBS)) if index not in LEGS]
-    values["arm_gain"] = float(np.exp(np.log(gains[arms]).mean()))
-    values["answers"] = float(len(infant.answers_s))
-    return values
-
-
-def _table(results: Sequence[Result]) -> str:
-    columns = (*PHASES_S, "leg_gain", "arm_gain", "answers")
-    return table_rows(
-        (
-            name,
-            *(
-                interval(values_of(results, f"{name}_{column}")).text(1 if column in PHASES_S else 2)
-                for column in columns
-            ),
-        )
-        for name in CONDITIONS
-    )
+    for name, limbs in (("leg_gain", LEGS), ("arm_gain", arms)):
+        values[name] = float(np.exp(np.log(gains[limbs]).mean()))
+    return {**values, "answers": float(len(infant.answers_s))}
 
 
 def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
@@ -191,13 +184,6 @@ def _answer(results: Sequence[Result]) -> str:
     )
 
 
-def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
-    for seed, result in zip(seeds, results, strict=True):
-        for condition in CONDITIONS:
-            for slot, rate in enumerate(result.traces[f"{condition}_rate"]):
-                yield condition, seed, slot * BIN_S, rate
-
-
 def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     ends_min = [end_s / 60.0 for end_s in case.ends_s]
     for name, quantity, width_s in (("rate", RATE_PER_MIN, BIN_S), ("gain", GAIN, WINDOW_S)):
@@ -208,8 +194,6 @@ def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
             Band(ends_min[first : first + 2], [0.0] * 2, [top] * 2, label, "usual")
             for first, label in ((0, "interaction"), (2, "reunion"))
         ]
-        for condition, curve in curves.items():
-            means = [interval(column.tolist()) for column in curve.T]
-            bands.append(band_of(minutes, means, condition))
+        bands += [band_of_seeds(minutes, curve, condition) for condition, curve in curves.items()]
         lines = tuple(Line(minutes, curve.mean(axis=0), condition) for condition, curve in curves.items())
         yield Plot(MINUTES, quantity, lines, tuple(bands), y_range=(0.0, top))

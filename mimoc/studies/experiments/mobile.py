@@ -27,10 +27,10 @@ from mimoc.studies.experiments.legs.infants import (
     ribbon_m,
     tie_ribbon,
 )
-from mimoc.studies.experiments.legs.intervals import band_of, interval
-from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
+from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 AGE_MONTHS = 3.0
@@ -72,17 +72,17 @@ def run(notebook: Notebook) -> Path:
     """Let pairs of infants lie under a mobile, and return the path of the report."""
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
     case = Phases(tuple(phases_s.values()), COMPARED_S)
-    results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
-    notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", _bins(results, seeds))
-    notebook.write_table(
-        "mobile.csv",
-        "seed,measure,value",
-        (
-            (seed, name, value)
-            for seed, result in zip(seeds, results, strict=True)
-            for name, value in result.values.items()
-        ),
+    by_case = run_cases(notebook, [(pair, case)], seeds)
+    results = by_case[case]
+    bins = (
+        (condition, label, seed, slot * BIN_S, rate)
+        for seed, result in zip(seeds, results, strict=True)
+        for condition in CONDITIONS
+        for side, label in LEGS.items()
+        for slot, rate in enumerate(result.traces[f"{condition}_{side}"])
     )
+    notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", bins)
+    write_measures(notebook, "mobile.csv", by_case, seeds)
     notebook.write_plots("mobile.png", list(_plots(results, case)))
     page = notebook.write_page(
         None,
@@ -91,11 +91,8 @@ def run(notebook: Notebook) -> Path:
         seeds=len(seeds),
         **{f"{name}_min": seconds / 60.0 for name, seconds in phases_s.items()},
         compared=case.compared_s / 60.0,
-        window=WINDOW_S,
-        largest=np.exp(LARGEST),
-        effort=EFFORT,
         arousal=AROUSAL,
-        forgetting=FORGETTING_S,
+        **PAGE_NUMBERS,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
         table=_table(results),
         answer=_answer(results),
@@ -140,20 +137,16 @@ def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Sess
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
         for window, other_m_s in enumerate(islice(shown, windows)):
             mover.set_gains(learner.gains, rates=True)
-            reward_m_s = _window(mover, film)
+            speeds_m_s = []
+            for _ in mover.steps(WINDOW_S):
+                film.watch(mover.env)
+                speeds_m_s.append(mobile_speed_m_s(mover.env))
+            reward_m_s = float(np.mean(speeds_m_s))
             rewards_m_s.append(reward_m_s)
             seen_m_s = reward_m_s if other_m_s is None else other_m_s
             learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_movement())
             gains.append(learner.gains)
     return Session(film.develop(f"seed {seed}"), rewards_m_s, np.array(gains))
-
-
-def _window(mover: Mover, film: Film) -> float:
-    speeds_m_s = []
-    for _ in mover.steps(WINDOW_S):
-        film.watch(mover.env)
-        speeds_m_s.append(mobile_speed_m_s(mover.env))
-    return float(np.mean(speeds_m_s))
 
 
 def _measures(case: Phases, infant: Session) -> dict[str, float]:
@@ -191,7 +184,10 @@ def _answer(results: Sequence[Result]) -> str:
     contingent, yoked = ([ratio >= ENOUGH for ratio in values_of(results, f"{name}_left_ratio")] for name in CONDITIONS)
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
-    overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
+    overall = dict[str, float]()
+    for name in CONDITIONS:
+        after, before = (np.mean(values_of(results, f"{name}_left_{phase}")) for phase in ("acquisition", "baseline"))
+        overall[name] = float(after / max(before, 1e-9))
     counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
     free = [ratio >= ENOUGH for leg in FREE for ratio in values_of(results, f"{leg}_ratio")]
     return (
@@ -200,11 +196,6 @@ def _answer(results: Sequence[Result]) -> str:
         f"rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}. Of all legs that move nothing "
         f"that is seen, {sum(free)} of {len(free)} do by chance: kicks come in bouts, and few are counted before."
     )
-
-
-def _ratio_of_means(results: Sequence[Result], condition: str) -> float:
-    after, before = (np.mean(values_of(results, f"{condition}_left_{phase}")) for phase in ("acquisition", "baseline"))
-    return float(after / max(before, 1e-9))
 
 
 def _predictions(results: Sequence[Result]) -> str:
@@ -219,14 +210,6 @@ def _predictions(results: Sequence[Result]) -> str:
     return table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()}))
 
 
-def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
-    for seed, result in zip(seeds, results, strict=True):
-        for condition in CONDITIONS:
-            for side, label in LEGS.items():
-                for slot, rate in enumerate(result.traces[f"{condition}_{side}"]):
-                    yield condition, label, seed, slot * BIN_S, rate
-
-
 def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     bins = len(results[0].traces["contingent_left"])
     minutes = (np.arange(bins, dtype=np.float64) + 0.5) * BIN_S / 60.0
@@ -234,16 +217,11 @@ def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     for condition in CONDITIONS:
         curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in results]) for side, label in LEGS.items()}
         top = 1.1 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 5.0
-        bands = (Band(seen, [0.0] * 2, [top] * 2, "mobile seen", "usual"), *_bands(minutes, curves))
+        seen_bands = (band_of_seeds(minutes, curve, label) for label, curve in curves.items())
+        bands = (Band(seen, [0.0] * 2, [top] * 2, "mobile seen", "usual"), *seen_bands)
         lines = tuple(Line(minutes, curve.mean(axis=0), label) for label, curve in curves.items())
         yield Plot(MINUTES, RATE_PER_MIN, lines, bands, title=condition.capitalize(), y_range=(0.0, top))
     windows = (np.arange(len(results[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
     means = {limb: np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0) for limb in LIMBS}
     lines = tuple(Line(windows, gains, limb.replace("_", " ")) for limb, gains in means.items())
     yield Plot(MINUTES, GAIN, lines, title="Learnt, contingent")
-
-
-def _bands(minutes: FloatArray, curves: Mapping[str, FloatArray]) -> Iterator[Band]:
-    for label, curve in curves.items():
-        means = [interval(column.tolist()) for column in curve.T]
-        yield band_of(minutes, means, label)

@@ -29,7 +29,7 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.experiments.grating_card import WEIGHTS
 from mimoc.studies.experiments.legs.intervals import interval
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 from mimoc.studies.experiments.sight import Points, Sight
 
@@ -143,17 +143,8 @@ def run(notebook: Notebook) -> Path:
     months, seeds = (QUICK_MONTHS, QUICK_SEEDS) if notebook.quick else (MONTHS, SEEDS)
     seconds = QUICK_SECONDS if notebook.quick else SECONDS
     cases = [Case(age_months, name, seconds) for name in POLICIES for age_months in months]
-    keys = [(case, seed) for case in cases for seed in seeds]
-    results = run_trials(notebook, [Trial(watch, case, seed) for case, seed in keys])
-    rows = [
-        (case.condition, case.age_months, seed, name, value)
-        for (case, seed), result in zip(keys, results, strict=True)
-        for name, value in result.values.items()
-    ]
-    notebook.write_table("regard.csv", "condition,age_months,seed,measure,value", rows)
-    by_case: dict[Case, list[Result]] = {case: [] for case in cases}
-    for (case, _), result in zip(keys, results, strict=True):
-        by_case[case].append(result)
+    by_case = run_cases(notebook, [(watch, case) for case in cases], seeds)
+    write_measures(notebook, "regard.csv", by_case, seeds, condition="condition", age_months="age_months")
     notebook.write_plots("regard.png", list(_plots(by_case, months)))
     notebook.write_picture("views.png", _views(months))
     page = notebook.write_page(

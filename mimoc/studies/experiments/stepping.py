@@ -12,7 +12,7 @@ from mimoc.studies.experiments.legs.changes import Values, change_text, relative
 from mimoc.studies.experiments.legs.infants import Setup, bundle_of, leg_kg
 from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.steps import SHARE, TRIES_PER_MIN, StepCase, stepping
-from mimoc.studies.experiments.legs.trials import Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 from mimoc.studies.experiments.weights import step_cases_of
 
@@ -42,13 +42,11 @@ def run(notebook: Notebook) -> Path:
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
     by_age = {age: cases_of(age, seconds) for age in months}
     loaded = [StepCase(LOADED_MONTHS, seconds, weight_kg=load_kg) for load_kg in loads_kg]
-    cases = list(dict.fromkeys([case for cases in by_age.values() for case in cases.values()] + loaded))
-    results = run_trials(notebook, [Trial(stepping, case, seed) for case in cases for seed in seeds])
-    values = [result.values for result in results]
-    steps: Steps = {case: values[slot * len(seeds) : (slot + 1) * len(seeds)] for slot, case in enumerate(cases)}
-    notebook.write_table(
-        "steps.csv", "age_months,weight_kg,water,strength,reflex,seed,measure,value", _rows(steps, seeds)
-    )
+    cases = [case for cases in by_age.values() for case in cases.values()] + loaded
+    results = run_cases(notebook, [(stepping, case) for case in cases], seeds)
+    names = ("age_months", "weight_kg", "water", "strength", "reflex")
+    write_measures(notebook, "steps.csv", results, seeds, **{name: name for name in names})
+    steps: Steps = {case: [result.values for result in same] for case, same in results.items()}
     notebook.write_plots("stepping.png", [*_age_plots(steps, by_age), _load_plot(steps, loaded)])
     page = notebook.write_page(
         None,
@@ -97,14 +95,6 @@ def cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
     cases = step_cases_of(age_months, seconds)
     plain = cases["plain"]
     return {**cases, "practised": replace(plain, strength=PRACTICE), "reflex": replace(plain, reflex=True)}
-
-
-def _rows(steps: Steps, seeds: Sequence[int]) -> Iterator[tuple[float | str, ...]]:
-    for case, group in steps.items():
-        for seed, values in zip(seeds, group, strict=True):
-            for name, value in values.items():
-                setup = case.age_months, case.weight_kg, float(case.water), case.strength, float(case.reflex)
-                yield *setup, seed, name, value
 
 
 def _of(values: Values, measure: Quantity) -> list[float]:

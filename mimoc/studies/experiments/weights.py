@@ -1,9 +1,10 @@
 """Weights on legs: a hundred grams on one leg that kicks, and the gain of four weeks, or water, on legs that step."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, leg_kg, open_infant
 from mimoc.studies.experiments.legs.intervals import band_of, interval
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 WEEKS: Sequence[float] = (6, 12, 18, 26)
@@ -77,32 +78,14 @@ def run(notebook: Notebook) -> Path:
     step_seconds = QUICK_SECONDS if quick else STEP_SECONDS
     cases = [case for week in weeks for case in _cases(week, seconds)]
     step_cases = [case for week in step_weeks for case in step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()]
-    trials = [Trial(kicking, case, seed) for case in cases for seed in seeds]
-    trials += [Trial(stepping, case, seed) for case in step_cases for seed in seeds]
-    values = [result.values for result in run_trials(notebook, trials)]
-    groups = [values[start : start + len(seeds)] for start in range(0, len(values), len(seeds))]
-    kicks: Kicks = dict(zip(cases, groups[: len(cases)], strict=True))
-    steps: Steps = dict(zip(step_cases, groups[len(cases) :], strict=True))
-    notebook.write_table(
-        "weights.csv",
-        "weeks,weight_kg,drive,seed,measure,value",
-        (
-            (case.weeks, case.weight_kg, case.gain, seed, name, value)
-            for case, group in kicks.items()
-            for seed, values in zip(seeds, group, strict=True)
-            for name, value in values.items()
-        ),
-    )
-    notebook.write_table(
-        "steps.csv",
-        "age_months,weight_kg,water,seed,measure,value",
-        (
-            (case.age_months, case.weight_kg, float(case.water), seed, name, value)
-            for case, group in steps.items()
-            for seed, values in zip(seeds, group, strict=True)
-            for name, value in values.items()
-        ),
-    )
+    tried: list[tuple[Callable[[Any, int], Result], Any]] = [(kicking, case) for case in cases]
+    results = run_cases(notebook, [*tried, *((stepping, case) for case in step_cases)], seeds)
+    kicked, stepped = ({case: results[case] for case in some} for some in (cases, step_cases))
+    write_measures(notebook, "weights.csv", kicked, seeds, weeks="weeks", weight_kg="weight_kg", drive="gain")
+    names = ("age_months", "weight_kg", "water")
+    write_measures(notebook, "steps.csv", stepped, seeds, **{name: name for name in names})
+    kicks: Kicks = {case: [result.values for result in results[case]] for case in cases}
+    steps: Steps = {case: [result.values for result in results[case]] for case in step_cases}
     notebook.write_plots("weights.png", list(_plots(kicks)))
     page = notebook.write_page(
         None,

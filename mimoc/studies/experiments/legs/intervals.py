@@ -44,6 +44,11 @@ def band_of(x: Sequence[float] | FloatArray, means: Sequence[Interval], label: s
     return Band(x, [mean.low for mean in means], [mean.high for mean in means], label, look)
 
 
+def band_of_seeds(x: FloatArray, curves: FloatArray, label: str) -> Band:
+    """Return the intervals of the means of curves, shape (seeds, n), as a band of a plot."""
+    return band_of(x, [interval(column.tolist()) for column in curves.T], label)
+
+
 def sign_test(changes: Sequence[float]) -> float:
     """Return how likely at least as many rises would be if rises and falls were equally likely; ties are left out.
 

@@ -15,6 +15,8 @@ EXPECTING_S = 60.0  # Time constant of the means and variances that are expected
 LARGEST = float(np.log(4.0))  # Of the logarithm of a gain; a guess.
 SMALLEST_REWARD = 1e-4  # Reward below which nothing is seen to move, [m/s].
 
+PAGE_NUMBERS = {"window": WINDOW_S, "largest": np.exp(LARGEST), "effort": EFFORT, "forgetting": FORGETTING_S}
+
 
 class Expected:
     """Running mean and variance of some numbers: the plain ones at first, later those of the last minute."""

@@ -62,6 +62,29 @@ def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
     return [results[slot] for slot in range(len(trials))]
 
 
+def run_cases(
+    notebook: Notebook, cases: Sequence[tuple[Callable[[Any, int], Result], Any]], seeds: Sequence[int]
+) -> dict[Any, list[Result]]:
+    """Return what comes of each case, by a function that tries it with each seed; equal cases are one."""
+    functions = {case: function for function, case in cases}
+    trials = [Trial(function, case, seed) for case, function in functions.items() for seed in seeds]
+    results = iter(run_trials(notebook, trials))
+    return {case: [next(results) for _ in seeds] for case in functions}
+
+
+def write_measures(
+    notebook: Notebook, file: str, results: Mapping[Any, Sequence[Result]], seeds: Sequence[int], **columns: str
+) -> None:
+    """Write a CSV with a row for each case, seed and measure; columns are attributes of cases by their headings."""
+    rows = (
+        (*(getattr(case, name) for name in columns.values()), seed, *measure)
+        for case, same in results.items()
+        for seed, result in zip(seeds, same, strict=True)
+        for measure in result.values.items()
+    )
+    notebook.write_table(file, ",".join((*columns, "seed", "measure", "value")), rows)
+
+
 def forget_trials(notebook: Notebook) -> None:
     """Remove the results of an experiment that has ended, so that the next one begins anew."""
     remove(notebook.folder / FOLDER)
