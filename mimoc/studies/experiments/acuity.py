@@ -20,8 +20,8 @@ from mimoc.components.senses.vision.preview import preview
 from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.figures import Measured
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
 
@@ -115,14 +115,8 @@ def _measured(measured: Sequence[Transfer]) -> Measured:
 
 def infants(law: Development) -> Iterator[Bundle]:
     """Yield the infant that looks."""
-    spec = {
-        "mimoc": 1,
-        "name": "onlooker",
-        "age_months": 10,
-        "development": law,
-        "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
-    }
-    yield building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    scene = {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}}
+    yield building.builder(child("onlooker", 10, development=law, scene=scene))(SEED, check=False)
 
 
 def _sheet(development: Development, size_px: int) -> bytes:

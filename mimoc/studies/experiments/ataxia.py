@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.notebook import Notebook, page_text, table_rows
 from mimoc.studies.experiments.sensed_reaching import REACH_SHARE, Reach, reach_once
 
@@ -64,22 +64,16 @@ Reaches = Mapping[tuple[Variant, float], Sequence[Reach]]  # By variant and dela
 
 def infant(variant: Variant, development: Development, delay_ms: float) -> InfantSpec:
     """Return an infant that sits with its hip held and moves its right arm, without noise."""
-    spec: dict[str, Any] = {
-        "mimoc": 1,
-        "name": "reaching",
-        "age_months": variant.age_months,
-        "development": OTHER_LAW[development] if variant.other_law else development,
-        "actuation": {
-            "regions": ["right_arm"],
-            "locked": ["trunk", "neck"],
-            "strength": {"arms": variant.strength},
-        },
-        "control": {"step_ms": variant.step_ms, "timestep_ms": 5.0},
-        "senses": {"proprioception": {"include": ["velocity"]}},
-        "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
-        "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
-    }
-    return InfantSpec.model_validate(spec)
+    return child(
+        "reaching",
+        variant.age_months,
+        development=OTHER_LAW[development] if variant.other_law else development,
+        actuation={"regions": ["right_arm"], "locked": ["trunk", "neck"], "strength": {"arms": variant.strength}},
+        control={"step_ms": variant.step_ms, "timestep_ms": 5.0},
+        senses={"proprioception": {"include": ["velocity"]}},
+        delays={"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
+        scene={"kind": "flat", "pose": "sitting", "held": ["hip"]},
+    )
 
 
 def reach_with_variants(

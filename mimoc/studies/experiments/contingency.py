@@ -14,7 +14,7 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
 from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
@@ -104,17 +104,11 @@ def bundle_of(case: Phases, yoked_s: Sequence[float]) -> Bundle:
         {"at_s": starts_s["still_face"], "do": "still_face"},
         {"at_s": starts_s["reunion"], "do": "interact"},
     ]
-    answers = {"to": "kick", "by": ["smile", "speak"], "delay_ms": DELAY_MS, "pause_ms": PAUSE_MS}
+    answers: dict[str, Any] = {"to": "kick", "by": ["smile", "speak"], "delay_ms": DELAY_MS, "pause_ms": PAUSE_MS}
     if yoked_s:
         answers["yoked_s"] = list(yoked_s)
-    spec: dict[str, Any] = {
-        "mimoc": 1,
-        "name": "contingency",
-        "age_months": AGE_MONTHS,
-        "actuation": {"model": "muscle"},
-        "scene": {"kind": "flat", "pose": "supine", "caregiver": {"script": script, "answers": answers}},
-    }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    scene = {"kind": "flat", "pose": "supine", "caregiver": {"script": script, "answers": answers}}
+    return pipeline.build(child("contingency", AGE_MONTHS, actuation={"model": "muscle"}, scene=scene))
 
 
 def pair(case: Phases, seed: int) -> Result:

@@ -27,6 +27,7 @@ from mimoc.studies.experiments.ataxia import (
     reach_with_variants,
     write_ataxia,
 )
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.figures import Measured
 from mimoc.studies.experiments.infant_reaches import (
     DELAYS,
@@ -164,16 +165,13 @@ def _learners(
 
 def reaching(development: Development, delay_ms: float, setup: str = PAPER) -> Bundle:
     """Return the infant of a setup, with the given delay of all its senses."""
-    spec = {
-        "mimoc": 1,
-        "name": "reaching",
-        "age_months": AGE_MONTHS,
+    keys = {
         "development": development,
         "senses": {"proprioception": {"include": ["velocity"]}},
         "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
         **SETUPS[setup],
     }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    return pipeline.build(child("reaching", AGE_MONTHS, **keys))
 
 
 def _within_reach(learners: Sequence[Learner]) -> list[Learner]:

@@ -17,6 +17,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.studies.experiments.child import child
 
 Model = Literal["torque", "muscle"]
 
@@ -101,15 +102,9 @@ def lying(
     development: Development, age_months: float, model: Model = "torque", strength_age_months: float | None = None
 ) -> Builder:
     """Return the builder of the infant; for its arguments see `efforts`."""
-    spec = {
-        "mimoc": 1,
-        "name": "lying",
-        "age_months": age_months,
-        "development": development,
-        "actuation": {"model": model, "strength_age_months": strength_age_months},
-        "control": {"step_ms": STEP_MS, "timestep_ms": STEP_MS},
-    }
-    return building.builder(InfantSpec.model_validate(spec))
+    actuation = {"model": model, "strength_age_months": strength_age_months}
+    control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
+    return building.builder(child("lying", age_months, development=development, actuation=actuation, control=control))
 
 
 def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) -> Effort:

@@ -17,7 +17,7 @@ from mimoc.compiler import building
 from mimoc.components.senses.vision.colours import BLUE, GREEN, RED
 from mimoc.components.senses.vision.run import Vision
 from mimoc.runtime.env import InfantEnv
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -56,15 +56,10 @@ class Seen:
 def looking_infant(eyes: Eyes) -> Bundle:
     """Return an average child that sits, held by hip, chest and head, and looks straight ahead."""
     size = {"width_px": eyes.size_px, "height_px": eyes.size_px, "fovy_deg": eyes.fovy_deg}
-    spec = {
-        "mimoc": 1,
-        "name": "looking",
-        "age_months": eyes.age_months,
-        "senses": {"vision": {**size, **dict(eyes.keys)}},
-        "actuation": {"locked": ["eyes", "neck"]},
-        "scene": {"kind": "empty", "pose": "sitting", "held": ["hip", "chest", "head"]},
-    }
-    return building.builder(InfantSpec.model_validate(spec))(0, check=False)
+    senses, actuation = {"vision": {**size, **dict(eyes.keys)}}, {"locked": ["eyes", "neck"]}
+    scene = {"kind": "empty", "pose": "sitting", "held": ["hip", "chest", "head"]}
+    spec = child("looking", eyes.age_months, senses=senses, actuation=actuation, scene=scene)
+    return building.builder(spec)(0, check=False)
 
 
 class CardTrial:

@@ -15,7 +15,7 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.learner import (
     FIRST_BALL,
     LIBRARIES,
@@ -110,15 +110,9 @@ def infants(law: None) -> Iterator[Bundle]:
 
 def reaching(age_months: float) -> Bundle:
     """Return the average child of an age, of the law `maturing`, with the task `reach`."""
-    spec = {
-        "mimoc": 1,
-        "name": "growing",
-        "age_months": age_months,
-        "development": "maturing",
-        "senses": {"proprioception": {"include": ["velocity", "limits", "actuation"]}, "vestibular": {}},
-        "task": {"kind": "reach", "steps": EPISODE_STEPS},
-    }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    senses = {"proprioception": {"include": ["velocity", "limits", "actuation"]}, "vestibular": {}}
+    task = {"kind": "reach", "steps": EPISODE_STEPS}
+    return pipeline.build(child("growing", age_months, development="maturing", senses=senses, task=task))
 
 
 def schedule_of(course: str, seed: int, steps: int) -> GrowthSchedule:

@@ -16,6 +16,7 @@ from mimoc.policies.control import GAIN_SETS
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.figures import yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, page_text, table_rows
 from mimoc.studies.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M, UNIT_M_S, Reach, reach_once
@@ -66,17 +67,14 @@ MEASURES: Mapping[str, Callable[[Reach], float]] = {
 
 def infant(age_months: float, delay: str) -> InfantSpec:
     """Return an infant that sits with its hip held, moves its right arm and has the noise of its age."""
-    return InfantSpec.model_validate(
-        {
-            "mimoc": 1,
-            "name": "reaching",
-            "age_months": age_months,
-            "actuation": {"regions": ["right_arm"], "locked": ["trunk", "neck"]},
-            "senses": {"proprioception": {"include": ["velocity"]}},
-            "delays": dict(DELAYS[delay]),
-            "noise": {**NOISE, **({"delay_jitter_ms": JITTER_MS} if DELAYS[delay] else {})},
-            "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
-        }
+    return child(
+        "reaching",
+        age_months,
+        actuation={"regions": ["right_arm"], "locked": ["trunk", "neck"]},
+        senses={"proprioception": {"include": ["velocity"]}},
+        delays=dict(DELAYS[delay]),
+        noise={**NOISE, **({"delay_jitter_ms": JITTER_MS} if DELAYS[delay] else {})},
+        scene={"kind": "flat", "pose": "sitting", "held": ["hip"]},
     )
 
 

@@ -15,8 +15,8 @@ from mimoc.policies.reach import ReachErrors, reach_errors
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.figures import Measured, yes
 from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
 
@@ -81,15 +81,8 @@ def infants(law: Development) -> Iterator[Bundle]:
 
 def sitting(development: Development) -> Bundle:
     """Return an infant that sits with its trunk held."""
-    spec = {
-        "mimoc": 1,
-        "name": "reaching",
-        "age_months": AGE_MONTHS,
-        "development": development,
-        "actuation": {"locked": ["trunk"]},
-        "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
-    }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    actuation, scene = {"locked": ["trunk"]}, {"kind": "flat", "pose": "sitting", "held": ["hip"]}
+    return pipeline.build(child("reaching", AGE_MONTHS, development=development, actuation=actuation, scene=scene))
 
 
 def _all_limbs(errors: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from mimoc.compiler.pipeline import build
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 MONTHS: Sequence[float] = (2, 4, 6, 12, 18)
@@ -28,7 +28,7 @@ memory)."""
 PUBLISHED_US = (50.0, 75.0)
 """Smallest interaural time differences that infants of 16, 20 and 28 weeks hear (Ashmead et al. 1991)."""
 FITTED_MONTHS = 4.0  # Age whose published angle gives the timing noise of the first observer.
-CORRECT = 0.75  # Share of right answers at the minimum audible angle.
+CORRECT, QUANTILE = 0.75, 0.6745  # Share of right answers at the minimum audible angle, and its normal quantile.
 TRIALS, QUICK_TRIALS = 100_000, 4000
 DISTANCE_M, LEVEL_DB, BURST_S = 1.5, 65.0, 0.05
 STEPS = 9  # Control steps in which a burst is heard whole.
@@ -58,8 +58,10 @@ def run(notebook: Notebook) -> Path:
     trials = QUICK_TRIALS if notebook.quick else TRIALS
     count = notebook.counter(len(months))
     heard = [count(hear(age_months, angles)) for age_months in months]
-    fitted_us = _noise_us(next(ears for ears in heard if ears.age_months == FITTED_MONTHS))
-    noises_us = {"angles at 4 months": fitted_us, "times at 4 to 6 months": float(np.mean(PUBLISHED_US)) / _quantile()}
+    fitted = next(ears for ears in heard if ears.age_months == FITTED_MONTHS)
+    fitted_us = float(np.interp(float(np.mean(PUBLISHED_DEG[FITTED_MONTHS])), fitted.angles_deg, fitted.times_us))
+    by_source_us = {"angles at 4 months": fitted_us, "times at 4 to 6 months": float(np.mean(PUBLISHED_US))}
+    noises_us = {name: time_us / QUANTILE for name, time_us in by_source_us.items()}
     angles_deg = {name: [judged_deg(ears, noise_us, trials) for ears in heard] for name, noise_us in noises_us.items()}
     rows = [
         (ears.age_months, angle_deg, time_us, 1e6 * float(interaural_time_s(np.radians(angle_deg), ears.radius_m)))
@@ -119,19 +121,7 @@ def infants(law: None) -> Iterator[Bundle]:
 
 
 def _bundle(age_months: float) -> Bundle:
-    senses = {"hearing": {"output": "waveform", "thresholds": "age"}}
-    data = {"mimoc": 1, "name": "listener", "age_months": age_months, "senses": senses}
-    return build(InfantSpec.model_validate(data))
-
-
-def _quantile() -> float:
-    """Return the time difference that is told in `CORRECT` of all trials, relative to the standard deviation."""
-    return 0.6745
-
-
-def _noise_us(ears: Ears) -> float:
-    angle_deg = float(np.mean(PUBLISHED_DEG[ears.age_months]))
-    return float(np.interp(angle_deg, ears.angles_deg, ears.times_us)) / _quantile()
+    return build(child("listener", age_months, senses={"hearing": {"output": "waveform", "thresholds": "age"}}))
 
 
 def _times_plot(heard: Sequence[Ears]) -> Plot:

@@ -26,7 +26,7 @@ from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.grating_card import WEIGHTS
 from mimoc.studies.experiments.legs.intervals import interval
 from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
@@ -173,17 +173,10 @@ def infants(law: None) -> Iterator[Bundle]:
 @cache
 def lying(age_months: float, size_px: int = 0) -> Bundle:
     """Return an average child on its back under the mobile; without pictures (0 pixels), it is simulated faster."""
-    size = {"width_px": size_px, "height_px": size_px}
-    spec = {
-        "mimoc": 1,
-        "name": "regard",
-        "age_months": age_months,
-        "senses": {"vision": {**VISION, **size}} if size_px else {},
-        "actuation": {"model": "muscle"},
-        "delays": {"processing": "age"},
-        "scene": {"kind": "crib", "pose": "supine", "objects": [dict(MOBILE)]},
-    }
-    return build(InfantSpec.model_validate(spec))
+    senses = {"vision": {**VISION, "width_px": size_px, "height_px": size_px}} if size_px else {}
+    actuation, delays = {"model": "muscle"}, {"processing": "age"}
+    scene = {"kind": "crib", "pose": "supine", "objects": [dict(MOBILE)]}
+    return build(child("regard", age_months, senses=senses, actuation=actuation, delays=delays, scene=scene))
 
 
 def watch(case: Case, seed: int) -> Result:

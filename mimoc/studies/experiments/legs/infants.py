@@ -13,7 +13,7 @@ from mimoc.bundle.variants import Variant
 from mimoc.compiler import pipeline
 from mimoc.motion.points import SIDES
 from mimoc.runtime.env import InfantEnv
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.child import child
 
 LEG_PARTS = ("upper_leg", "lower_leg", "foot", "toes")
 HELD_ARMATURE = 1e9
@@ -92,16 +92,10 @@ def leg_kg(age_months: float) -> float:
 
 def bundle_of(setup: Setup) -> Bundle:
     """Return the infant without weights, mobile and apparatus."""
-    spec: dict[str, object] = {
-        "mimoc": 1,
-        "name": "legs",
-        "age_months": setup.age_months,
-        "scene": {"kind": "flat", "pose": "standing" if setup.held else "supine"},
-        "actuation": {"model": "muscle", "strength": {"legs": setup.strength}},
-    }
-    if setup.feels:
-        spec["senses"] = {"touch": {}, "vestibular": {}}
-    return pipeline.build(InfantSpec.model_validate(spec))
+    scene = {"kind": "flat", "pose": "standing" if setup.held else "supine"}
+    actuation = {"model": "muscle", "strength": {"legs": setup.strength}}
+    senses = {"senses": {"touch": {}, "vestibular": {}}} if setup.feels else {}
+    return pipeline.build(child("legs", setup.age_months, scene=scene, actuation=actuation, **senses))
 
 
 def _add_mobile(scene: mujoco.MjSpec, side: str) -> None:
