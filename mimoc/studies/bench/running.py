@@ -15,8 +15,7 @@ from mimoc.studies.bench.entrant import bound_policy, check_files, digests_of, t
 from mimoc.studies.bench.results import BenchResults, differences, read_results
 from mimoc.studies.bench.scores import CellScores, score_cell
 from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
-from mimoc.studies.kept_results import keep, kept_file, read_kept
-from mimoc.studies.processes import process_pool
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 
 LIBRARIES = ("mujoco", "numpy")
 Progress = Callable[[int, int], None]  # Called with the number of episodes done and their total.

@@ -8,9 +8,8 @@ from mimoc.base.quantities import Quantity
 from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.studies.experiments.legs.changes import Values, change_text, relative_changes
 from mimoc.studies.experiments.legs.infants import Setup, bundle_of, leg_kg
-from mimoc.studies.experiments.legs.intervals import band_of, interval
+from mimoc.studies.experiments.legs.intervals import Values, band_of, change_text, interval, relative_changes
 from mimoc.studies.experiments.legs.steps import SHARE, TRIES_PER_MIN, StepCase, stepping
 from mimoc.studies.experiments.legs.trials import forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows

@@ -12,11 +12,10 @@ from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
-from mimoc.studies.kept_results import keep, kept_file, read_kept
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
 from mimoc.studies.milestones.trials import trial_called
-from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
 """Ages of the search, in months: every half month from birth to two years."""

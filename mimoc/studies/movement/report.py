@@ -20,11 +20,11 @@ from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
 from mimoc.studies.certainty import ASSUMPTION, READ, Basis, Certainty
+from mimoc.studies.kept_results import process_pool
 from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
 from mimoc.studies.milestones.search import Progress
 from mimoc.studies.movement.trial import Subject, Values, missing
 from mimoc.studies.movement.trials import TRIALS, USUAL
-from mimoc.studies.processes import process_pool
 
 Verdict = Literal["inside", "outside", "not reached", "no verdict", "not tried"]
 

@@ -14,8 +14,7 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bench.scores import wilson_interval
 from mimoc.studies.bodies import bodies_digest
 from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
-from mimoc.studies.skills.attempt import Attempt
-from mimoc.studies.skills.attempts import Way, attempts_of, searches
+from mimoc.studies.skills.attempts import Attempt, Way, attempts_of, searches
 
 TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 512
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age

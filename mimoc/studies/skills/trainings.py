@@ -10,9 +10,8 @@ from mimoc.base.errors import SpecError
 from mimoc.compiler import pipeline
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.processes import process_pool
-from mimoc.studies.skills.attempt import Attempt, problem_of
-from mimoc.studies.skills.attempts import Job, ProgressCallback
+from mimoc.studies.kept_results import process_pool
+from mimoc.studies.skills.attempts import Attempt, Job, ProgressCallback, problem_of
 from mimoc.studies.skills.search import FIRST_TEST
 from mimoc.training import Training, evaluate, load_policy
 from mimoc.training.group import Wish, train_together

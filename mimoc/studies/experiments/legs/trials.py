@@ -11,8 +11,7 @@ from mimoc.bundle.files import remove
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real
 from mimoc.studies.experiments.notebook import Notebook
-from mimoc.studies.kept_results import keep, kept_file, read_kept
-from mimoc.studies.processes import process_pool
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 
 FOLDER = "trials"  # Where finished trials are kept until all of them are.
 

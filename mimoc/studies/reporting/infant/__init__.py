@@ -7,10 +7,9 @@ import mujoco
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.studies.reporting import words
-from mimoc.studies.reporting.infant.beside import beside
 from mimoc.studies.reporting.infant.senses import senses
 from mimoc.studies.reporting.infant.sources import Sources, origin
-from mimoc.studies.reporting.infant.strength import UNCHECKED, stability, strength
+from mimoc.studies.reporting.infant.strength import UNCHECKED, beside, stability, strength
 from mimoc.studies.reporting.infant.who import growth, introduce, proportions
 from mimoc.studies.reporting.page import Page, Section
 from mimoc.version import __version__
