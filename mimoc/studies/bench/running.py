@@ -64,7 +64,13 @@ def run_bench(
     kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec_text) for job in jobs}
     results = {job: scores for job, file in kept.items() if (scores := read_kept(file, CellScores, below=out.parent))}
     waiting = [job for job in jobs if job not in results]
-    _check_fit(waiting)
+    for cell, text, _ in waiting:  # Before anything takes time or is written.
+        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
+            env.reset(seed=bench_table().seeds.test[0])
+            try:
+                bound_policy(env, text)
+            except MimocError as error:
+                raise PolicyError(f"{cell.name}: {error}") from None
     total, done = sum(job[2] for job in jobs), sum(job[2] for job in results)
     progress(done, total)
     for job, scores in _scored(waiting, processes):
@@ -161,16 +167,6 @@ def checked_file(out: str | Path) -> Path:
         raise OutputError(f"{path}: there is no folder {path.parent}; make it, or choose another place")
     check_place(path)
     return path
-
-
-def _check_fit(jobs: Sequence[Job]) -> None:
-    for cell, text, _ in jobs:
-        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
-            env.reset(seed=bench_table().seeds.test[0])
-            try:
-                bound_policy(env, text)
-            except MimocError as error:
-                raise PolicyError(f"{cell.name}: {error}") from None
 
 
 def _scored(jobs: Sequence[Job], processes: int) -> Iterator[tuple[Job, CellScores]]:

@@ -92,9 +92,7 @@ def milestone_summary(rows: Rows) -> MilestoneSummary:
     scores = {trial: _scores(column) for trial, column in tried.items()}
     scores[ALL] = _scores([mean(of_child) for of_child in zip(*scores.values(), strict=True)])
     return MilestoneSummary(
-        tuple(_spread(trial, column) for trial, column in tried.items()),
-        tuple(_odds(children, scores)),
-        PUBLISHED_ODDS,
+        tuple(_spread(trial, column) for trial, column in tried.items()), tuple(_odds(children, scores)), PUBLISHED_ODDS
     )
 
 

@@ -213,14 +213,12 @@ def run(work: JobContext) -> Measures:
         for _ in range(options["steps"]):
             rollout.step()
         summary = rollout.summary()
-    movement = _movement(work.folder / "recording") if options.get("record") else {}
+    movement: Measures = {}
+    if options.get("record"):
+        from mimoc.recording.measures import mean_measures
+
+        movement = mean_measures(work.folder / "recording", "run")
     return {**measure_child(work), **summary.measures, **movement, **summary.metrics}
-
-
-def _movement(recording: Path) -> Measures:
-    from mimoc.recording.measures import mean_measures
-
-    return mean_measures(recording, "run")
 
 
 def train(work: JobContext) -> Measures:

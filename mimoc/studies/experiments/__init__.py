@@ -11,7 +11,7 @@ from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.render.plots.file import require_matplotlib
 from mimoc.schema.names import Development
 from mimoc.studies.bodies import bodies_digest
-from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
+from mimoc.studies.experiments.notebook import Progress, open_notebook
 from mimoc.studies.names import EXPERIMENTS
 
 DEVELOPMENTS: Mapping[str, Development] = {
@@ -80,6 +80,3 @@ def check_experiment(name: str, development: str | None) -> Development | None:
     if name not in DEVELOPMENTS:
         raise MimocError(f"the experiment '{name}' has laws of development of its own; leave out 'development'")
     return "published" if development == "published" else "maturing"
-
-
-__all__ = ["DEVELOPMENTS", "EXPERIMENTS", "Notebook", "check_experiment", "run_experiment"]

@@ -18,7 +18,7 @@ from mimoc.components.senses.vision.build_comparison import DEFAULT_FOVEATION, c
 from mimoc.components.senses.vision.foveation import pixels_per_degree
 from mimoc.components.senses.vision.preview import preview
 from mimoc.components.senses.vision.run import filters, perceive
-from mimoc.render.picture_files import Picture, tile_pictures
+from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.child import child
@@ -129,15 +129,11 @@ def _sheet(development: Development, size_px: int) -> bytes:
     pictures = preview(infant, whole.entries, down_deg=DOWN_DEG)
     (acuity_row,) = (entries for name, entries in zip(finer.rows, finer.entries, strict=True) if name == "acuity")
     (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
-    middles = [_middle(picture, size_px) for picture in larger]
+    start = (len(larger[0]) - size_px) // 2
+    middles = [picture[start : start + size_px, start : start + size_px] for picture in larger]
     middle_deg = 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
     rows = (*whole.rows, f"acuity, middle {middle_deg:.0f} degrees")
     return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
-
-
-def _middle(picture: Picture, size_px: int) -> Picture:
-    start = (len(picture) - size_px) // 2
-    return picture[start : start + size_px, start : start + size_px]
 
 
 def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:

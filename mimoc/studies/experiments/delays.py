@@ -110,6 +110,7 @@ def run(notebook: Notebook) -> Path:
     learning = learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
     notebook.write_plots("delays.png", [learning, _path_plot(notebook.law, first), _smoothness_plot(groups)])
     *others, longest = groups
+    worse = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {name: one for name, _, one in LESS_SMOOTH}
     return notebook.write_page(
         _measured(groups),
         *LIBRARIES,
@@ -121,7 +122,10 @@ def run(notebook: Notebook) -> Path:
         episodes=EPISODES,
         beyond=EPISODES - len(learners[0].reaches),
         shown=SHOWN,
-        **_comparison(groups),
+        table=table_rows(
+            (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
+        ),
+        **{name: "yes" if _rising(groups, measure) else "not in every case" for name, measure in worse.items()},
         setups=_setups_rows(setups),
         setups_seed=seeds[0],
         longest_s=ms_to_s(max(DELAYS_MS)),
@@ -183,21 +187,9 @@ def _within_reach(learners: Sequence[Learner]) -> list[Learner]:
     ]
 
 
-def _rows(groups: Groups) -> str:
-    return table_rows(
-        (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
-    )
-
-
 def _rising(groups: Groups, measure: Callable[[Learner], float]) -> bool:
     means = [fmean(map(measure, group)) for group in groups.values()]
     return all(before < after for before, after in pairwise(means))
-
-
-def _comparison(groups: Groups) -> dict[str, str]:
-    measures = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {what: one for what, _, one in LESS_SMOOTH}
-    verdicts = {what: "yes" if _rising(groups, measure) else "not in every case" for what, measure in measures.items()}
-    return {"table": _rows(groups), **verdicts}
 
 
 def _less_smooth(groups: Groups) -> str:
@@ -225,22 +217,16 @@ def _measured(groups: Groups) -> Measured:
 
 
 def _setups_rows(setups: Mapping[str, Groups]) -> str:
-    titles = dict(zip(SETUPS, TITLES, strict=True))
-    return table_rows(
-        (titles[setup], delay, *_setup_cells(groups[delay][0]))
-        for setup, groups in setups.items()
-        for delay in (min(groups, key=_ms), max(groups, key=_ms))
-    )
-
-
-def _ms(delay: str) -> float:
-    return float(delay.removesuffix(" ms"))
-
-
-def _setup_cells(learner: Learner) -> Iterator[str]:
-    """Yield the first measures, and how many reaches end before one with the longest delay senses anything of them."""
-    yield from (f"{measure(learner):.3f}" for measure in MEASURES[:5])
-    yield f"{fmean(reach.duration_s <= ms_to_s(max(DELAYS_MS)) for reach in learner.reaches):.0%}"
+    """Return the first measures by extreme delays, and how many reaches end before the longest one has passed."""
+    titles, rows = dict(zip(SETUPS, TITLES, strict=True)), []
+    for setup, groups in setups.items():
+        shortest, *_, longest = groups
+        for delay in (shortest, longest):
+            learner = groups[delay][0]
+            early = fmean(reach.duration_s <= ms_to_s(max(DELAYS_MS)) for reach in learner.reaches)
+            measures = (f"{measure(learner):.3f}" for measure in MEASURES[:5])
+            rows.append((titles[setup], delay, *measures, f"{early:.0%}"))
+    return table_rows(rows)
 
 
 def _write_tables(notebook: Notebook, by_setup: Mapping[str, Sequence[Learner]], first: Sequence[Learner]) -> None:

@@ -15,7 +15,7 @@ from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.effort import GROUPS, Strength, strengths
-from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
+from mimoc.studies.experiments.notebook import Notebook, markdown_table, table_rows
 from mimoc.studies.experiments.resting import FALLING_S, LEANS, LYING_S, Rest, rest, try_to_sit
 from mimoc.studies.growth.plot import AgeRow, rows_sheet
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
@@ -120,17 +120,17 @@ def _vary(
 
 def _write_strengths(notebook: Notebook, measured: Sequence[Strength]) -> Motors:
     heading = "development,age_months,actuator,direction,torque_nm,moment_nm,ratio"
-    notebook.write_table("strength.csv", heading, map(_strength_cells, measured))
+    directions = {1: "positive", -1: "negative"}
+    cells = (
+        (it.development, it.age_months, it.actuator, directions[it.direction], it.torque_nm, it.moment_nm, it.ratio)
+        for it in measured
+    )
+    notebook.write_table("strength.csv", heading, cells)
     motors: dict[tuple[str, str, int], list[Strength]] = {}
     for item in measured:
         motors.setdefault((item.development, item.actuator, item.direction), []).append(item)
     notebook.write_plots("strength.png", [_strength_plot(motors, law) for law in LAWS])
     return motors
-
-
-def _strength_cells(item: Strength) -> tuple[Cell, ...]:
-    direction = "positive" if item.direction > 0 else "negative"
-    return item.development, item.age_months, item.actuator, direction, item.torque_nm, item.moment_nm, item.ratio
 
 
 def _strength_plot(motors: Motors, law: str) -> Plot:
@@ -195,18 +195,15 @@ def _forward(rests: Sequence[Rest]) -> str:
 
 def _write_milestones(notebook: Notebook, results: Mapping[Case, SearchResult], reached: Reached) -> None:
     heading = "development,milestone,age_months,success,ended_s,reason,posture"
-    notebook.write_table("attempts.csv", heading, _attempts(results))
+    attempts = (
+        (case.development, case.trial, age, "yes" if it.success else "no", it.seconds, it.reason, it.strategy)
+        for case, result in results.items()
+        for age, it in result.outcomes.items()
+    )
+    notebook.write_table("attempts.csv", heading, attempts)
     windows = {name: (window.youngest_months, window.oldest_months) for name, window in WINDOWS.items()}
     rows = [AgeRow(name, by_law, windows.get(name, ())) for name, by_law in reached.items()]
     notebook.write_picture("milestones.png", _rows_png(rows))
-
-
-def _attempts(results: Mapping[Case, SearchResult]) -> Iterator[tuple[Cell, ...]]:
-    for case, result in results.items():
-        for age_months, outcome in result.outcomes.items():
-            success = "yes" if outcome.success else "no"
-            cells = (success, outcome.seconds, outcome.reason, outcome.strategy)
-            yield case.development, case.trial, age_months, *cells
 
 
 def _rows_png(rows: Sequence[AgeRow]) -> bytes:

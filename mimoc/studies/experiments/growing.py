@@ -84,10 +84,14 @@ def run(notebook: Notebook) -> Path:
         "schedule,seed,ball,success,time_s,episode_return",
         ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
     )
+    finals = (Learner.success_rate, *MEASURES.values())
     notebook.write_table(
         "final.csv",
         "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return",
-        map(_final_cells, learners),
+        (
+            (it.group, it.seed, len(it.reaches), *(measure(it) for measure in finals), it.episode_return())
+            for it in learners
+        ),
     )
     notebook.write_plots("growing.png", list(_plots(groups, untrained, steps)))
     return notebook.write_page(
@@ -216,11 +220,6 @@ def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
 
 def _outcome(reach: Episode) -> tuple[Cell, ...]:
     return reach.seed, float(reach.success), reach.duration_s, reach.total_reward
-
-
-def _final_cells(item: Learner) -> tuple[Cell, ...]:
-    times_s = (item.time_s(), item.time_over_checkpoints_s())
-    return (item.group, item.seed, len(item.reaches), item.success_rate(), *times_s, item.episode_return())
 
 
 TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")

@@ -10,7 +10,7 @@ from mimoc.schema.names import Development
 from mimoc.studies.experiments.figures import figures_of
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 from mimoc.studies.growth.plot import growth_sheet
-from mimoc.studies.growth.who import GrowthReport, Row, grow_against_who
+from mimoc.studies.growth.who import GrowthReport, grow_against_who
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 1, 2, 4, 6, 9, 12, 18, 24)
@@ -29,7 +29,12 @@ def run(notebook: Notebook) -> Path:
     months = QUICK_MONTHS if notebook.quick else MONTHS
     report = grow_against_who(next(infants(notebook.law)), months, notebook.progress)
     heading = "age_months,indicator,value,z_boys,z_girls,z_mean,percentile"
-    notebook.write_table("growth.csv", heading, map(_cells, report.rows))
+    references = ("male", "female", "mean")
+    cells = (
+        (row.age_months, row.indicator, row.value, *(row.z[name] for name in references), row.percentile["mean"])
+        for row in report.rows
+    )
+    notebook.write_table("growth.csv", heading, cells)
     notebook.write_picture("growth.png", encode(growth_sheet(report.series)))
     farthest = max(report.worst.values(), key=lambda row: abs(row.z["mean"]))
     return notebook.write_page(
@@ -49,11 +54,6 @@ def infants(law: Development) -> Iterator[InfantSpec]:
     """Yield the average child at several ages."""
     for age_months in QUICK_MONTHS:
         yield InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=law)
-
-
-def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
-    z = row.z
-    return row.age_months, row.indicator, row.value, z["male"], z["female"], z["mean"], row.percentile["mean"]
 
 
 def _measured(report: GrowthReport) -> Iterator[tuple[str, float | str]]:

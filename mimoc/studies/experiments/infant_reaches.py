@@ -166,17 +166,17 @@ def infants_text(groups: Sequence[Group], most_s: float) -> str:
         most_s=most_s,
         youngest=ages[0],
         oldest=ages[-1],
-        table=_reaches_rows(groups),
+        table=table_rows(
+            (
+                f"{it.age_months:g}",
+                it.delay,
+                f"{it.arrived:.0%}",
+                *(f"{it.median(one):.3g}" for one in MEASURES.values()),
+            )
+            for it in groups
+        ),
         smoothness="\n".join(_smoothness(name, groups) for name in SMOOTHER),
         **_of_own_delays(of_age),
-    )
-
-
-def _reaches_rows(groups: Sequence[Group]) -> str:
-    medians = ([f"{group.median(measure):.3g}" for measure in MEASURES.values()] for group in groups)
-    return table_rows(
-        (f"{group.age_months:g}", group.delay, f"{group.arrived:.0%}", *row)
-        for group, row in zip(groups, medians, strict=True)
     )
 
 

@@ -54,11 +54,15 @@ def run(notebook: Notebook) -> Path:
     notebook.write_plots("inverse.png", plots)
     halfway_mm = [np.median(errors[:, len(time_s) // 4]) for errors in hands_mm.values()]
     faster = all(larger < smaller for smaller, larger in pairwise(halfway_mm))
+    gains = (
+        (name, *(number for gain in (it.hands, it.eyes) for number in (gain.strength, gain.viscosity_per_s)))
+        for name, it in GAIN_SETS.items()
+    )
     return notebook.write_page(
         _measured(hands_mm, eyes_deg, faster, trials),
         age=AGE_MONTHS,
         trials=trials,
-        gains=_gains_rows(),
+        gains=table_rows((name, *(f"{number:g}" for number in row)) for name, *row in gains),
         table=_table(time_s, hands_mm, eyes_deg),
         make="make" if faster else "do not always make",
         seed=SEED,
@@ -104,14 +108,6 @@ def _rows(time_s: FloatArray, *both: Errors) -> Iterator[Sequence[Cell]]:
         columns = [statistic(errors[name]) for errors in both for statistic in STATISTICS.values()]
         for numbers in zip(time_s, *columns, strict=True):
             yield name, *numbers
-
-
-def _gains_rows() -> str:
-    numbers = {
-        name: (gains.hands.strength, gains.hands.viscosity_per_s, gains.eyes.strength, gains.eyes.viscosity_per_s)
-        for name, gains in GAIN_SETS.items()
-    }
-    return table_rows((name, *(f"{number:g}" for number in row)) for name, row in numbers.items())
 
 
 def _table(time_s: FloatArray, *both: Errors) -> str:

@@ -47,10 +47,6 @@ class Ears:
     angles_deg: tuple[float, ...]  # Azimuths of the sounds, to the left.
     times_us: tuple[float, ...]  # By how much later the right ear heard each of them.
 
-    def angle_of(self, time_us: float) -> float:
-        """Return the azimuth of a time difference, or 90 degrees beyond the largest one."""
-        return float(np.interp(time_us, self.times_us, self.angles_deg))
-
 
 def run(notebook: Notebook) -> Path:
     """Let infants of several ages hear bursts of noise, and return the path of the report."""

@@ -7,17 +7,15 @@ from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.vision.build_acuity import acuity_at
 from mimoc.components.senses.vision.thresholds import sensitivity_at
 from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.grating_card import CardTrial, Eyes, looking_infant
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
-
-FloatArray = npt.NDArray[np.float64]
 
 AGES_MONTHS: Sequence[float] = (1, 3, 6, 12)
 QUICK_MONTHS: Sequence[float] = (1, 6)

@@ -16,7 +16,7 @@ from mimoc.render.soft_light import STILL
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.milestones import TRIALS, Conditions, Outcome, TrialInfant, compile_at
-from mimoc.studies.milestones.trial import Attempt, simulate
+from mimoc.studies.milestones.trial import simulate
 
 LYING_S, FALLING_S = 6.0, 3.0
 ON_THE_BACK_DEG, LEANING_BACK_DEG, UPRIGHT_DEG = -90.0, -45.0, 0.0
@@ -47,7 +47,8 @@ class Rest:
 def rest(development: Development, age_months: float) -> Rest:
     """Return where the average child of an age comes to rest."""
     infant = _average_child(development, age_months)
-    lying = _lying(infant)
+    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
+    lying = _after(infant, lying, LYING_S)
     return Rest(
         development,
         age_months,
@@ -63,11 +64,6 @@ def rest(development: Development, age_months: float) -> Rest:
 def _average_child(development: Development, age_months: float) -> TrialInfant:
     spec = InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
     return compile_at(spec, age_months, Conditions())
-
-
-def _lying(infant: TrialInfant) -> mujoco.MjData:
-    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
-    return _after(infant, lying, LYING_S)
 
 
 def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
@@ -101,17 +97,12 @@ def try_to_sit(development: Development, age_months: float) -> Picture:
     infant = _average_child(development, age_months)
     best, outcome = mujoco.MjData(infant.model), Outcome(False, -1.0)
     for attempt in TRIALS["sit"].attempts(infant):
-        data, ended = _end(attempt)
+        states = deque[mujoco.MjData](maxlen=1)
+        ended = simulate(attempt, Conditions(), states.append)
         if ended.seconds > outcome.seconds:
-            best, outcome = data, ended
+            best, outcome = states[0], ended
         if outcome.success:
             break
     with closing(BodyCamera(infant.model, [ROOT], *PICTURE_PX, exposure=STILL)) as camera:
         held = "sits" if outcome.success else f"falls after {outcome.seconds:.1f} s"
         return tile_pictures([[camera.render(best)]], columns=[f"{age_months:g} months: {held}"])
-
-
-def _end(attempt: Attempt) -> tuple[mujoco.MjData, Outcome]:
-    states = deque[mujoco.MjData](maxlen=1)
-    outcome = simulate(attempt, Conditions(), states.append)
-    return states[0], outcome

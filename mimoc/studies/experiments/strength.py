@@ -106,7 +106,12 @@ def run(notebook: Notebook) -> Path:
     shown = _shown(torque)
     notebook.write_table("strength.csv", HEADING, map(_summary, torque))
     notebook.write_table("muscles.csv", HEADING, map(_summary, muscle))
-    notebook.write_table("curves.csv", "behaviour,age_months,time_s,angle_deg", _samples(shown))
+    samples = (
+        (effort.behaviour.name, effort.age_months, time_s, angle_deg)
+        for effort in shown
+        for time_s, angle_deg in zip(effort.time_s, effort.angle_deg, strict=True)
+    )
+    notebook.write_table("curves.csv", "behaviour,age_months,time_s,angle_deg", samples)
     notebook.write_plots("strength.png", [_plot(shown, item) for item in BEHAVIOURS])
     ages = (f"{item.name} {size:g}: {effort.age_months:.1f}" for (item, size), (effort,) in sized.items())
     return notebook.write_page(
@@ -168,12 +173,6 @@ def _summary(effort: Effort) -> tuple[Cell, ...]:
     infant = (effort.age_months, effort.strength_age_months, effort.length_cm)
     angles_deg = (effort.angle_deg[0], effort.peak_deg, effort.peak_in_range_deg)
     return (effort.behaviour.name, *infant, *angles_deg, effort.time_to_s(TARGET_DEG))
-
-
-def _samples(results: Iterable[Effort]) -> Iterator[tuple[Cell, ...]]:
-    for effort in results:
-        for time_s, angle_deg in zip(effort.time_s, effort.angle_deg, strict=True):
-            yield effort.behaviour.name, effort.age_months, time_s, angle_deg
 
 
 def _plot(results: Iterable[Effort], behaviour: Behaviour) -> Plot:

@@ -75,7 +75,10 @@ def run(notebook: Notebook) -> Path:
     weeks, step_weeks = (QUICK_WEEKS, QUICK_STEP_WEEKS) if quick else (WEEKS, STEP_WEEKS)
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
     step_seconds = QUICK_SECONDS if quick else STEP_SECONDS
-    cases = [case for week in weeks for case in _cases(week, seconds)]
+    cases = list[Case]()
+    for week in weeks:
+        plain = Case(week, seconds)
+        cases += [plain, *(replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))]
     step_cases = [case for week in step_weeks for case in step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()]
     tried: list[tuple[Callable[[Any, int], Result], Any]] = [(kicking, case) for case in cases]
     results = run_cases(notebook, [*tried, *((stepping, case) for case in step_cases)], seeds)
@@ -114,11 +117,7 @@ def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
     """Return how an infant of an age steps: plain, with what a leg gains in four weeks at each ankle, and in water."""
     gain_kg = leg_kg(age_months + GAIN_WEEKS * MONTHS_PER_WEEK) - leg_kg(age_months)
     plain = StepCase(age_months, seconds)
-    return {
-        "plain": plain,
-        "weights": replace(plain, weight_kg=round(gain_kg, 3)),
-        "water": replace(plain, water=True),
-    }
+    return {"plain": plain, "weights": replace(plain, weight_kg=round(gain_kg, 3)), "water": replace(plain, water=True)}
 
 
 def kicking(case: Case, seed: int) -> Result:
@@ -137,12 +136,6 @@ def kicking(case: Case, seed: int) -> Result:
             f"{side}_speed_trunk_s": float(body.speeds[f"{side}_foot"].mean()),
         }
     return Result(values=values)
-
-
-def _cases(week: float, seconds: float) -> Iterator[Case]:
-    plain = Case(week, seconds)
-    yield plain
-    yield from (replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))
 
 
 def _gains_at(week: float) -> Sequence[float]:

@@ -17,15 +17,7 @@ from mimoc.body.grow import usual_measures
 from mimoc.body.kinematics import Stature, stature
 from mimoc.bundle.primitives import PRIMITIVES, solid_extents
 from mimoc.compiler.child import checked_or_average, child_of
-from mimoc.compiler.measuring import (
-    ROOT,
-    SAME,
-    UP,
-    Progress,
-    compare_at_ages,
-    compile_infant,
-    own_solids,
-)
+from mimoc.compiler.measuring import ROOT, SAME, UP, Progress, compare_at_ages, compile_infant, own_solids
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided

@@ -11,7 +11,7 @@ import numpy as np
 
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.measuring import infant_files
-from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones.infant import TrialInfant, in_trial
 from mimoc.studies.movement.drive import has_joint
@@ -67,7 +67,8 @@ def hand_of(infant: TrialInfant) -> Hand:
     closing_rad = {name: _closed_rad(infant, name) for name in _closing(infant)}
     straight = infant.placed(0.0, {}, ABOVE_M)
     hinge = model.joint(f"robot:{knuckle}").id
-    palm, fingers = _solids(infant.model, int(model.jnt_bodyid[hinge]))
+    palm = np.flatnonzero(model.geom_bodyid == model.body(HAND).id)
+    fingers = np.flatnonzero(in_subtrees(model, [int(model.jnt_bodyid[hinge])])[model.geom_bodyid])
     tips_m = [np.linalg.norm(straight.geom_xpos[geom] - straight.xanchor[hinge]) for geom in fingers]
     outermost = fingers[int(np.argmax(tips_m))]
     length_m = float(max(tips_m) + model.geom_size[outermost, 0])
@@ -77,7 +78,8 @@ def hand_of(infant: TrialInfant) -> Hand:
     }
     data = infant.placed(0.0, closed, ABOVE_M)
     anchor, axis = data.xanchor[hinge].copy(), data.xaxis[hinge].copy()
-    to_wrist, to_fingers = (_across(data.geom_xpos[geoms[0]] - anchor, axis) for geoms in (palm, fingers))
+    ways_m = (data.geom_xpos[geoms[0]] - anchor for geoms in (palm, fingers))
+    to_wrist, to_fingers = (_unit(way_m - axis * (way_m @ axis)) for way_m in ways_m)
     return Hand(closing_rad, anchor, axis, to_wrist, to_fingers, length_m, closed)
 
 
@@ -130,12 +132,6 @@ def _places(hand: Hand) -> Iterator[FloatArray]:
                 yield hand.knuckle_m + hand.length_m * offset
 
 
-def _solids(model: mujoco.MjModel, finger: int) -> tuple[IntArray, IntArray]:
-    """Return the geoms of the palm and those of the finger that begins with some body."""
-    palm = np.flatnonzero(model.geom_bodyid == model.body(HAND).id).astype(np.intp)
-    return palm, np.flatnonzero(in_subtrees(model, [finger])[model.geom_bodyid]).astype(np.intp)
-
-
 def _closing(infant: TrialInfant) -> Iterator[str]:
     hand = in_subtrees(infant.model, [infant.model.body(HAND).id])
     for joint, name in zip(infant.joints, infant.joint_names, strict=True):
@@ -146,11 +142,6 @@ def _closing(infant: TrialInfant) -> Iterator[str]:
 def _closed_rad(infant: TrialInfant, joint: str) -> float:
     low, high = infant.model.joint(f"robot:{joint}").range
     return float(low if -low > high else high)
-
-
-def _across(vector: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return the direction of a vector across an axis."""
-    return _unit(vector - axis * (vector @ axis))
 
 
 def _unit(vector: FloatArray) -> FloatArray:

@@ -156,12 +156,9 @@ def learn_skill(
     attempts = attempts_of(jobs, way, out, progress)
     results = [AgeResult.of([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
-        _write(result.best, out / f"{skill}_{result.age_months:g}_months")
+        best, name = result.best, f"{skill}_{result.age_months:g}_months"
+        if best.movement:
+            write_postures(best.movement, out / f"{name}.json")
+        elif best.policy:
+            write_file(out / f"{name}.zip", (out / best.policy).read_bytes())
     return SkillReport.of(skill, results, bodies_of(child, ages))
-
-
-def _write(attempt: Attempt, path: Path) -> None:
-    if attempt.movement:
-        write_postures(attempt.movement, path.with_name(f"{path.name}.json"))
-    elif attempt.policy:
-        write_file(path.with_name(f"{path.name}.zip"), (path.parent / attempt.policy).read_bytes())

@@ -99,11 +99,7 @@ class Searcher:
 
 
 def search(
-    env: InfantEnv,
-    seed: int,
-    tries: int = 1000,
-    starts: int = 20,
-    progress: Callable[[int], None] = lambda tried: None,
+    env: InfantEnv, seed: int, tries: int = 1000, starts: int = 20, progress: Callable[[int], None] = lambda tried: None
 ) -> Outcome:
     """Return the best movement that a search finds for a task, measured in *starts* that it has not seen.
 

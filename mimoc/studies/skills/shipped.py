@@ -80,13 +80,7 @@ def skill_sheet(report: SkillReport) -> Sheet:
             *(Line((age,) * 2, (0.0, 1.0), "", "median") for age in real.ages[1:-1]),
         ),
         bands=(
-            Band(
-                window,
-                (0.0, 0.0),
-                (1.0, 1.0),
-                "real infants (line: usual)",
-                "window",
-            ),
+            Band(window, (0.0, 0.0), (1.0, 1.0), "real infants (line: usual)", "window"),
             Band(ages, low, high, "95 %"),
         ),
         dots=(Dots([age for age, _ in searches], [share for _, share in searches], "each search"),),

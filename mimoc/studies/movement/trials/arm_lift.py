@@ -119,10 +119,6 @@ def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> 
     return target
 
 
-def _measure(subject: Subject) -> Values:
-    return {"arm_lift": arm_lift(subject.infant)}
-
-
 def _measure_pulled(subject: Subject) -> Values:
     free, pulled = arm_lift(subject.infant), arm_lift(subject.infant, PULL)
     return {"arm_pulled": pulled, "arm_pull_change": pulled / free - 1.0 if free > 0 else None}
@@ -131,7 +127,7 @@ def _measure_pulled(subject: Subject) -> Values:
 ARM_LIFT = MovementTrial(
     "arm_lift",
     "on its back, brings a hand above the shoulder and keeps it there for 1 s: height in arm lengths",
-    _measure,
+    lambda subject: {"arm_lift": arm_lift(subject.infant)},
     (0.0, 1.0, 2.0, 3.0, 4.0),
     (Quantity("arm_lift", "Hand above shoulder, in arm lengths"),),
     ("left_upper_arm", "left_lower_arm", "left_hand"),

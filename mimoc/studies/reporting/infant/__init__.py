@@ -14,8 +14,6 @@ from mimoc.studies.reporting.infant.who import growth, introduce, proportions
 from mimoc.studies.reporting.page import Page, Section
 from mimoc.version import __version__
 
-__all__ = ["infant_page", "infant_sections"]
-
 
 def infant_page(
     bundle: Bundle,
