@@ -219,10 +219,9 @@ LENGTH_HEAD, WEIGHT_HEAD = 0.45, 0.5
 Geraedts et al. 2011 (Horm Res Paediatr 75:213-219; 14,500 Dutch children) find that the head correlates with both, most
 at birth and, after a rapid decline, at a stable level. Only their abstract was at hand, which gives no numbers.
 """
-CORRELATIONS = np.array(
+CORRELATIONS = np.array(  # Correlations of the z-scores of length, weight and head, shape (3, 3).
     [[1, LENGTH_WEIGHT, LENGTH_HEAD], [LENGTH_WEIGHT, 1, WEIGHT_HEAD], [LENGTH_HEAD, WEIGHT_HEAD, 1]]
 )
-"""Correlations of the z-scores of length, weight and head, shape (3, 3)."""
 
 FAT_BUILD = 0.6
 """Correlation of the z-scores of fat and of weight for length: between .51 of weight for length and .73 of BMI, which

@@ -256,7 +256,6 @@ def python(work: JobContext) -> Measures:
 STEPS: Mapping[str, Callable[[JobContext], Measures]] = {
     step.__name__: step for step in (build, check, milestones, run, train, experiment, python)
 }
-"""What does each step, by name."""
 
 
 def measured(work: JobContext) -> Measures:

@@ -29,7 +29,6 @@ WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enoug
 FOVY_DEG = VisionSpec().fovy_deg
 MEAN, AMPLITUDE = 127.5, 120.0  # Mean and amplitude of a grating's brightness, in a range of 0 to 255.
 SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
-"""Spatial frequencies of the gratings relative to the acuity."""
 
 
 @dataclass(frozen=True, slots=True)

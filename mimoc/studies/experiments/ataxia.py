@@ -52,13 +52,12 @@ VARIANTS: Sequence[Variant] = (
     Variant("high gains, the other law", other_law=True),
 )
 PLOTTED = ("high gains", "low gains")  # Variants whose first reach is plotted.
-MEASURES: Mapping[str, Callable[[Reach], float]] = {
+MEASURES: Mapping[str, Callable[[Reach], float]] = {  # Measures of a reach, by the heading of their column.
     "duration_s": lambda reach: reach.duration_s,
     "movement_units": lambda reach: reach.units,
     "path_ratio": lambda reach: reach.path_ratio,
     "peak_speed_m_s": lambda reach: float(reach.speed_m_s.max()),
 }
-"""Measures of a reach, by the heading of their column."""
 Reaches = Mapping[tuple[Variant, float], Sequence[Reach]]  # By variant and delay.
 
 

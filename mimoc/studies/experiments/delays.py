@@ -57,7 +57,6 @@ SETUPS: Mapping[str, Mapping[str, Any]] = {
 }
 """Keys of a spec by the name of what is learned; the first is the paper's, of which there is a run for each seed."""
 TITLES = ("MIMo's ball", "a near ball", "a near ball, arms of a fifth of the strength")
-"""The names of these in the report, in the same order."""
 PAPER = "mimo"  # Key of the paper's setup.
 QUICK_VARIANTS = 1  # Number of variants of reaches that the smaller version tries.
 AGE_MONTHS = 18
@@ -84,7 +83,6 @@ LESS_SMOOTH: Sequence[tuple[str, str, Callable[[Learner], float]]] = (
 )
 """What is greater where movements are less smooth: key of the page, name and measure."""
 MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, UNITS, DETOUR, ARC_LENGTH, JERK)
-"""The columns of the tables."""
 
 
 def run(notebook: Notebook) -> Path:

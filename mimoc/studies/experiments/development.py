@@ -22,7 +22,7 @@ from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches
 
 LAWS: tuple[Development, ...] = ("maturing", "published")
-VARIATIONS: Mapping[str, Conditions] = {
+VARIATIONS: Mapping[str, Conditions] = {  # What the ages of milestones may hang on; pushes in body weights.
     "servo x 0.8": Conditions(servo=0.8),
     "servo x 1.25": Conditions(servo=1.25),
     "strength - 15 %": Conditions(strength=0.85),
@@ -30,7 +30,6 @@ VARIATIONS: Mapping[str, Conditions] = {
     "pushes of 0.01": Conditions(push=0.01),
     "pushes of 0.05": Conditions(push=0.05),
 }
-"""What the ages of milestones may hang on; pushes in body weights."""
 
 AGES: Sequence[float] = (*(half / 2 for half in range(29)), 18, 24)
 """Ages at which milestones are tried: every half month to 14 months, when all of them are reached."""

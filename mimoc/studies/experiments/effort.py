@@ -127,7 +127,7 @@ def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) ->
     )
 
 
-GROUPS = {
+GROUPS = {  # The motor and the direction that stand for each group of muscles.
     "neck, back": ("act:head_tilt", -1),
     "neck, front": ("act:head_tilt", 1),
     "trunk": ("act:hip_bend", 1),
@@ -137,7 +137,6 @@ GROUPS = {
     "knee": ("act:right_knee", 1),
     "ankle": ("act:right_foot_flexion", -1),
 }
-"""The motor and the direction that stand for each group of muscles."""
 
 
 @dataclass(frozen=True, slots=True)

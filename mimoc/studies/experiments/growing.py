@@ -42,11 +42,10 @@ BALLS, QUICK_BALLS = 100, 5  # Number of balls for which each infant reaches aft
 CHECK_BALLS, QUICK_CHECK_BALLS = 20, 2  # Number of these balls for which it reaches at each earlier checkpoint.
 
 Groups = Mapping[str, Sequence[Learner]]  # Trained infants by schedule of growth.
-MEASURES = {
+MEASURES = {  # What is compared; less is better.
     "time to touch after training": Learner.time_s,
     "time to touch over all checkpoints": Learner.time_over_checkpoints_s,
 }
-"""What is compared; less is better."""
 COLUMNS = (Learner.success_rate, Learner.episode_return, *MEASURES.values())  # Columns of the table.
 BETTER, WORSE, SAME = "better", "worse", "not distinguishable"
 

@@ -53,7 +53,7 @@ class Group:
         return float(np.mean([reach.arrived for reach in self.reaches]))
 
 
-MEASURES: Mapping[str, Callable[[Reach], float]] = {
+MEASURES: Mapping[str, Callable[[Reach], float]] = {  # Measures of a reach by the heading of their column.
     "duration_s": lambda reach: reach.duration_s,
     "mean_speed_m_s": lambda reach: float(reach.speed_m_s.mean()),
     "peak_speed_m_s": lambda reach: float(reach.speed_m_s.max()),
@@ -62,7 +62,6 @@ MEASURES: Mapping[str, Callable[[Reach], float]] = {
     "spectral_arc_length": lambda reach: reach.arc_length,
     "log_dimensionless_jerk": lambda reach: reach.jerk,
 }
-"""Measures of a reach by the heading of their column."""
 
 
 def infant(age_months: float, delay: str) -> InfantSpec:

@@ -33,7 +33,6 @@ LAWS: Mapping[Development, str] = {
     "published": "MIMo v2's body (`development: published`)",
     "maturing": "mimoc's own body (`development: maturing`)",
 }
-"""How texts name the body of each law."""
 OTHER_BODY = (
     "This is not the paper's body. `mimoc experiment {name} --development published` runs the experiment on it, and "
     "shows the paper's figures beside ours."

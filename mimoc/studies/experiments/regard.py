@@ -39,19 +39,17 @@ MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6)
 QUICK_MONTHS: Sequence[float] = (0, 4)
 SECONDS, QUICK_SECONDS = 30.0, 5.0
 SEEDS, QUICK_SEEDS = range(5), range(1)
-MOBILE: Mapping[str, Any] = {
+MOBILE: Mapping[str, Any] = {  # The object of `configs/mobile.yaml`.
     "name": "mobile",
     "kind": "mobile",
     "above": "chest",
     "height_cm": 25,
     "tied_to": "right_foot",
 }
-"""The object of `configs/mobile.yaml`."""
 VISION: Mapping[str, Any] = {"contrast": "age", "colour": "age", "field": "age", "focus": "age", "fovy_deg": 100}
 """Eyes that mature, with pictures that reach beyond what is noticed until five months."""
 SIZE_PX = 160
 POLICIES: Mapping[str, str] = {"moves": "general_movements", "looks": "look_at:mobile+general_movements"}
-"""What an infant does, by condition."""
 LABELS: Mapping[str, str] = {"moves": "only moves", "looks": "looks at the mobile"}
 WATCHED_S, PICTURED_S = 0.2, 2.0
 """How often lines of sight are followed, and how often the infant's pictures are compared."""

@@ -124,7 +124,7 @@ PICTURE_PX = (176, 132)
 COLOURS = 128  # Number of colours of the figure, which makes its file a third as large.
 FARTHEST = 2.5  # Largest distance in the figure, in multiples of the reach.
 
-SPEC = {
+SPEC = {  # The same as `configs/playroom.yaml`, without its senses.
     "mimoc": 1,
     "name": "playroom",
     "age_months": 10,
@@ -135,7 +135,6 @@ SPEC = {
         "toys": {"source": "builtin", "count": [3, 6], "size_cm": [4, 12]},
     },
 }
-"""The same as `configs/playroom.yaml`, without its senses."""
 
 ROOM_HEADING = (
     "seed,depth_m,width_m,height_m,floor,pictures,lamps,infant_x_m,infant_y_m,heading_deg,nearest_wall_m,"

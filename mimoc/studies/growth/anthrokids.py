@@ -56,7 +56,6 @@ COLUMNS = (
     *("age_months", "measurement", "value_cm", "mean_cm", "requested", "deviation"),
     *("is_judged", "outside", "origin"),
 )
-"""What plain data says of each row."""
 
 
 @dataclass(frozen=True, slots=True)

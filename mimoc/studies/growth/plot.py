@@ -17,12 +17,11 @@ AGE_RANGE = (-0.5, LAST_MONTH + 0.5)
 PERCENTILES = (3, 15, 50, 85, 97)  # Those of WHO's charts.
 NAMED = (3, 50, 97)  # Those that are named at the ends of their curves.
 
-SURVEYED = {
+SURVEYED = {  # AnthroKids' name of each indicator that it has; it does not have weight by age.
     "length_cm": "crown_sole_length",
     "head_circumference_cm": "head_circumference",
     "arm_circumference_cm": "upper_arm_circumference",
 }
-"""AnthroKids' name of each indicator that it has; it does not have weight by age."""
 
 GROWTH_CAPTION = (
     "mimoc: measured on the compiled models.  WHO: Child Growth Standards (2006, 2007), {population};"

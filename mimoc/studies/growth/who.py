@@ -84,7 +84,6 @@ COLUMNS = (
     *("age_months", "indicator", "value", "z", "percentile", "requested_z", "requested_percentile"),
     *("is_judged", "missed", "outside_one_sd"),
 )
-"""What plain data says of each row."""
 
 
 @dataclass(frozen=True, slots=True)

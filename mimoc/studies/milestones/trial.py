@@ -74,13 +74,12 @@ class Push:
     duration_s: float = 0.2
 
 
-PUSHES = (
+PUSHES = (  # Forward, back and to both sides, far enough apart to come to rest in between.
     Push(2.0, (1.0, 0.0, 0.0)),
     Push(4.0, (-1.0, 0.0, 0.0)),
     Push(6.0, (0.0, 1.0, 0.0)),
     Push(8.0, (0.0, -1.0, 0.0)),
 )
-"""Forward, back and to both sides, far enough apart to come to rest in between."""
 
 
 @dataclass(frozen=True)

@@ -20,13 +20,12 @@ from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import TrialInfant
 
 SUPINE_DEG = -90.0
-CURLED_DEG: Mapping[str, float] = {
+CURLED_DEG: Mapping[str, float] = {  # The posture in which an infant is laid on its back, before it settles.
     "{side}_hip1": -60.0,
     "{side}_knee": -90.0,
     "{side}_elbow": -90.0,
     "{side}_shoulder_ad_ab": 60.0,
 }
-"""The posture in which an infant is laid on its back, before it settles."""
 QUIET: Mapping[str, float] = {}  # No joint is asked for anything; what tone there is without commands stays.
 
 

@@ -26,11 +26,9 @@ CHILD = {
     "age_months": 6,
     "senses": {"proprioception": {"include": ["velocity"]}, "vestibular": {}},
 }
-"""Who learns, unless a spec says otherwise."""
 
 
 REAL_AGES: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("ages.csv"))
-"""When real infants have each skill."""
 
 
 class AgeResult(Model):

@@ -54,7 +54,6 @@ RECIPES: Mapping[str, Recipe] = {
     "walk": Recipe(UPRIGHT, 2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2, stiffness_per_rad=1.0),
     "grasp": Recipe(HOLDING, 2, 1.0, 0.4, spread=0.5),
 }
-"""By skill."""
 
 
 class Form:

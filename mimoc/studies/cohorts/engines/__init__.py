@@ -28,11 +28,9 @@ ENGINES: Mapping[str, str] = {
     "slurm": "mimoc.studies.cohorts.engines.slurm",
     "ray": "mimoc.studies.cohorts.engines.ray",
 }
-"""Module of each engine, imported when needed."""
 
 
 Engine = Callable[[Sequence[Job], Store, Mapping[str, Any], Done], None]
-"""Does jobs in a store, given its options; see above."""
 
 
 def find_engine(name: str, options: Mapping[str, Any]) -> Engine:

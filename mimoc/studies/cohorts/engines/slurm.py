@@ -24,11 +24,10 @@ except ImportError:
 OPTIONS = ("partition", "time_min", "memory_gb", "array_limit", "jobs_per_task")
 TIME_MIN = 60  # Time that a task may take unless said otherwise.
 ARRAY = 1000  # Most tasks of an array, since SLURM's own limit is 1001 unless an administrator has changed it.
-ENDED = {
+ENDED = {  # SLURM's states of tasks that will not run again.
     *("BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL"),
     *("OUT_OF_MEMORY", "PREEMPTED", "REVOKED", "TIMEOUT"),
 }
-"""SLURM's states of tasks that will not run again."""
 POLLS_S = (1.0, 15.0)
 """How long to wait before asking for the states of tasks: at first, and after a while in which none has ended."""
 PATIENCE_S = 1800.0  # How long to wait for a controller that does not answer.

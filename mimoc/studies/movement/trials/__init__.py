@@ -22,4 +22,3 @@ TRIALS: Mapping[str, MovementTrial] = {
     )
 }
 USUAL: tuple[str, ...] = tuple(trial.name for trial in TRIALS.values() if not trial.on_request)
-"""The names of those that are done unless others are asked for."""

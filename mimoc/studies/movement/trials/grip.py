@@ -14,12 +14,10 @@ from mimoc.studies.movement.rod import HAND, ROD, Hand, gripping, hand_of, with_
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 PULLS_N = (0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0)
-"""Forces on the rod, one after the other."""
 SQUEEZED_S, PULLED_S = 1.5, 0.8
 SQUEEZED_OUT_M, SLIPPED_M = 0.02, 0.012
 """Way of the rod that means that closing has squeezed it out, and that a pull has moved it out."""
 DIRECTIONS = {"along": "along the fingers", "slant": "slantwise", "out": "out of the palm", "gap": "into the gap"}
-"""Directions of the pull, across the rod, by the end of the name of their measure."""
 
 
 def grip(infant: TrialInfant, hand: Hand) -> dict[str, float]:

@@ -12,7 +12,7 @@ from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.studies.reporting import words
 from mimoc.studies.reporting.page import Block, Cell, Code, Details, Link, Section, TextBlock, number, table
 
-GROUPS = {
+GROUPS = {  # Heading of each kind of numbers; those of others follow, by their names.
     "who": "Percentiles",
     "child": "Size",
     "measurements": "Measurements",
@@ -24,7 +24,6 @@ GROUPS = {
     "noise": "Noise",
     "spec": "The spec",
 }
-"""Heading of each kind of numbers; those of others follow, by their names."""
 SIDE = re.compile(r"(left|right)_")
 TITLE = "Where the numbers come from"
 ABOUT = (

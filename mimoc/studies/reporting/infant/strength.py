@@ -42,7 +42,6 @@ JOINTS: Mapping[str, str] = {
     "knee": "{side}_knee",
     "ankle": "{side}_foot1",
 }
-"""Joints that are told in the picture."""
 WIDTH, HEIGHT = 540.0, 500.0
 TOP, FEET = 40.0, 470.0
 LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0  # Where the texts at either side end and begin.
