@@ -24,7 +24,7 @@ from mimoc.studies.bench.entrant import bound_policy, digests_of
 from mimoc.studies.bench.running import LIBRARIES, Progress, checked_file
 from mimoc.studies.bench.table import babybench_spec, bench_table
 
-SELF_TOUCH, HAND_REGARD = "self_touch", "hand_regard"
+SELF_TOUCH = "self_touch"
 EPISODES, STEPS, RANDOM_STEPS = 10, 1000, 10
 """Episodes of an evaluation, control steps of each, and random steps that come before an episode."""
 MOST_LOGS = 10_000  # Of so many last episodes is the score.

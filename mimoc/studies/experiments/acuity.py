@@ -21,9 +21,7 @@ from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.child import child
-from mimoc.studies.experiments.figures import Measured
-from mimoc.studies.experiments.notebook import Notebook, markdown_table
+from mimoc.studies.experiments.notebook import Measured, Notebook, child, markdown_table
 
 WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enough for the acuity at two years.
 FOVY_DEG = VisionSpec().fovy_deg

@@ -14,13 +14,26 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
-from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
-from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.legs.learner import (
+    PAGE_NUMBERS,
+    WINDOW_S,
+    GainLearner,
+    Phases,
+    differences,
+    direction_rows,
+    rates_per_min,
+    values_of,
+)
+from mimoc.studies.experiments.legs.trials import (
+    Result,
+    band_of_seeds,
+    forget_trials,
+    interval,
+    run_cases,
+    write_measures,
+)
+from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 60.0, "interaction": 180.0, "still_face": 60.0, "reunion": 60.0}

@@ -18,24 +18,8 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.ataxia import (
-    DELAYS_MS,
-    MOTOR_MS,
-    VARIANTS,
-    ataxia_text,
-    infant as ataxic_infant,
-    reach_with_variants,
-    write_ataxia,
-)
-from mimoc.studies.experiments.child import child
-from mimoc.studies.experiments.figures import Measured
-from mimoc.studies.experiments.infant_reaches import (
-    DELAYS,
-    infant as infant_of_age,
-    infants_text,
-    reach_at_ages,
-    write_reaches,
-)
+from mimoc.studies.experiments import late_reaches
+from mimoc.studies.experiments.late_reaches import DELAYS, DELAYS_MS, MOTOR_MS, VARIANTS
 from mimoc.studies.experiments.learner import (
     FIRST_BALL,
     LIBRARIES,
@@ -46,7 +30,7 @@ from mimoc.studies.experiments.learner import (
     movement_of,
     trained,
 )
-from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 
 FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}
@@ -93,10 +77,10 @@ def run(notebook: Notebook) -> Path:
     before = len(MONTHS) * len(DELAYS) + len(variants) * len(DELAYS_MS)
     total = before + steps * len(runs)
     count, counted = QUICK_REACHES if notebook.quick else REACHES, notebook.counter(total)
-    late = reach_with_variants(variants, notebook.law, count, REACH_S, counted)
-    write_ataxia(notebook, late)
-    reaches = reach_at_ages(MONTHS, count, REACH_S, counted)
-    write_reaches(notebook, reaches)
+    late = late_reaches.reach_with_variants(variants, notebook.law, count, REACH_S, counted)
+    late_reaches.write_ataxia(notebook, late)
+    reaches = late_reaches.reach_at_ages(MONTHS, count, REACH_S, counted)
+    late_reaches.write_reaches(notebook, reaches)
     by_setup = _learners(notebook, steps, runs, before, total)
     within = {name: _within_reach(same) for name, same in by_setup.items()}
     setups = {
@@ -127,8 +111,8 @@ def run(notebook: Notebook) -> Path:
         setups=_setups_rows(setups),
         setups_seed=seeds[0],
         longest_s=ms_to_s(max(DELAYS_MS)),
-        ataxia=ataxia_text(late, REACH_S),
-        infants=infants_text(reaches, REACH_S),
+        ataxia=late_reaches.ataxia_text(late, REACH_S),
+        infants=late_reaches.infants_text(reaches, REACH_S),
         training_seeds=", ".join(map(str, seeds)),
         first_ball=FIRST_BALL,
     )
@@ -138,8 +122,8 @@ def infants(law: Development) -> Iterator[Bundle | InfantSpec]:
     """Yield those that learn, and those whose reaches are late; delays are not of the body."""
     yield from (reaching(law, DELAYS_MS[0], setup) for setup in SETUPS)
     by_body = {(item.age_months, item.strength, item.other_law): item for item in VARIANTS}
-    yield from (ataxic_infant(variant, law, DELAYS_MS[0]) for variant in by_body.values())
-    yield from (infant_of_age(age_months, delay) for age_months in MONTHS for delay in list(DELAYS)[:1])
+    yield from (late_reaches.ataxic_infant(variant, law, DELAYS_MS[0]) for variant in by_body.values())
+    yield from (late_reaches.infant_of_age(age_months, delay) for age_months in MONTHS for delay in list(DELAYS)[:1])
 
 
 def _runs(seeds: Sequence[int]) -> Iterator[tuple[str, float, int]]:

@@ -14,9 +14,9 @@ from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.effort import GROUPS, Strength, strengths
 from mimoc.studies.experiments.notebook import Notebook, markdown_table, table_rows
 from mimoc.studies.experiments.resting import FALLING_S, LEANS, LYING_S, Rest, rest, try_to_sit
+from mimoc.studies.experiments.strength import GROUPS, Strength, strengths
 from mimoc.studies.growth.plot import AgeRow, rows_sheet
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches

@@ -18,7 +18,7 @@ from mimoc.components.senses.vision.colours import BLUE, GREEN, RED
 from mimoc.components.senses.vision.run import Vision
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.child import child
+from mimoc.studies.experiments.notebook import child
 
 PATCH_M, ASIDE_M = 0.125, 0.12
 """Side of a square grating, as on the Teller Acuity Cards, and where its middle is, left or right of the card's."""

@@ -15,7 +15,6 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
-from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.learner import (
     FIRST_BALL,
     LIBRARIES,
@@ -27,7 +26,7 @@ from mimoc.studies.experiments.learner import (
     mean_and_range,
     trained,
 )
-from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
+from mimoc.studies.experiments.notebook import Cell, Notebook, child, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 from mimoc.training.run_folder import CHECKPOINTS
 

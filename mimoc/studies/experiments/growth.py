@@ -7,8 +7,7 @@ from mimoc.fits.who import Reference
 from mimoc.render.plots.file import encode
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.figures import figures_of
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.notebook import Notebook, figures_of, table_rows
 from mimoc.studies.growth.plot import growth_sheet
 from mimoc.studies.growth.who import GrowthReport, grow_against_who
 

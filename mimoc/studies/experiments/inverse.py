@@ -16,9 +16,7 @@ from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.child import child
-from mimoc.studies.experiments.figures import Measured, yes
-from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, markdown_table, table_rows, yes
 
 AGE_MONTHS = 18
 TRIALS, QUICK_TRIALS = 10, 3  # Number of trials for each set of gains; the paper shows the mean of ten.

@@ -15,8 +15,7 @@ from mimoc.compiler.pipeline import build
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.child import child
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 
 MONTHS: Sequence[float] = (2, 4, 6, 12, 18)
 QUICK_MONTHS: Sequence[float] = (4, 18)

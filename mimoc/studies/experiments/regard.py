@@ -26,11 +26,9 @@ from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.child import child
 from mimoc.studies.experiments.grating_card import WEIGHTS
-from mimoc.studies.experiments.legs.intervals import interval
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, interval, run_cases, write_measures
+from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 from mimoc.studies.experiments.sight import Points, Sight
 
 Luminance = npt.NDArray[Any]
@@ -59,7 +57,6 @@ degrees at which it is from straight ahead at the start."""
 NEAR_DEG = 15.0  # Hands so near to the line of sight are looked at by BabyBench's measure, at every age alike.
 HEAD_CAMERA_MONTHS, HEAD_CAMERA_SHARE = (1.0, 3.0), 0.1
 """Share of the frames of head cameras that show hands (Jayaraman, Fausey & Smith 2015-16: from memory)."""
-ONSET_MONTHS = (2.0, 3.0)  # When hand regard begins (White, Castle & Held 1964: from memory).
 COLOURS = 96
 SHARE = Quantity("share", "Share of the time", "%")
 CONTRAST = Quantity("contrast", "Contrast of the mobile", "%")

@@ -25,8 +25,7 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.render.portrait import overview
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.figures import Measured, yes
-from mimoc.studies.experiments.notebook import Cell, Notebook
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, yes
 
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 

@@ -13,7 +13,7 @@ from mimoc.bundle.variants import Variant
 from mimoc.compiler import pipeline
 from mimoc.motion.points import SIDES
 from mimoc.runtime.env import InfantEnv
-from mimoc.studies.experiments.child import child
+from mimoc.studies.experiments.notebook import child
 
 LEG_PARTS = ("upper_leg", "lower_leg", "foot", "toes")
 HELD_ARMATURE = 1e9
