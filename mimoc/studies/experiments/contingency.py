@@ -15,24 +15,10 @@ from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.learner import (
-    PAGE_NUMBERS,
-    WINDOW_S,
-    GainLearner,
-    Phases,
-    differences,
-    direction_rows,
-    rates_per_min,
-    values_of,
-)
-from mimoc.studies.experiments.legs.trials import (
-    Result,
-    band_of_seeds,
-    forget_trials,
-    interval,
-    run_cases,
-    write_measures,
-)
+from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
+from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 
 AGE_MONTHS = 3.0

@@ -18,18 +18,9 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments import late_reaches
+from mimoc.studies.experiments import late_reaches, learner as learning
 from mimoc.studies.experiments.late_reaches import DELAYS, DELAYS_MS, MOTOR_MS, VARIANTS
-from mimoc.studies.experiments.learner import (
-    FIRST_BALL,
-    LIBRARIES,
-    Learner,
-    by_group,
-    learning_plot,
-    mean_and_range,
-    movement_of,
-    trained,
-)
+from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, Learner, by_group, mean_and_range, movement_of
 from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 
@@ -89,8 +80,8 @@ def run(notebook: Notebook) -> Path:
     learners, groups = within[PAPER], setups[PAPER]
     first = [item for item in learners if item.seed == learners[0].seed]
     _write_tables(notebook, by_setup, first)
-    learning = learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
-    notebook.write_plots("delays.png", [learning, _path_plot(notebook.law, first), _smoothness_plot(groups)])
+    curves = learning.learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
+    notebook.write_plots("delays.png", [curves, _path_plot(notebook.law, first), _smoothness_plot(groups)])
     *others, longest = groups
     worse = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {name: one for name, _, one in LESS_SMOOTH}
     return notebook.write_page(
@@ -140,7 +131,7 @@ def _learners(
     for number, (setup, delay_ms, seed) in enumerate(runs):
         bundle = reaching(notebook.law, delay_ms, setup)
         progress = notebook.part(before + number * steps, steps, total)
-        training = trained(notebook, f"{setup}_{delay_ms:g}ms_seed_{seed}", bundle, steps, progress, seed=seed)
+        training = learning.trained(notebook, f"{setup}_{delay_ms:g}ms_seed_{seed}", bundle, steps, progress, seed=seed)
         task = bundle.manifest.task
         assert isinstance(task, ReachEntry)
         with closing(InfantEnv(bundle)) as env:

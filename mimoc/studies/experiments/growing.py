@@ -15,17 +15,8 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
-from mimoc.studies.experiments.learner import (
-    FIRST_BALL,
-    LIBRARIES,
-    THOUSANDS,
-    Learner,
-    banded_plot,
-    by_group,
-    learning_plot,
-    mean_and_range,
-    trained,
-)
+from mimoc.studies.experiments import learner as learning
+from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, THOUSANDS, Learner, by_group, mean_and_range
 from mimoc.studies.experiments.notebook import Cell, Notebook, child, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 from mimoc.training.run_folder import CHECKPOINTS
@@ -132,7 +123,7 @@ def _learners(notebook: Notebook, bundle: Bundle, steps: int, seeds: Sequence[in
     for number, (course, seed) in enumerate(wanted):
         progress = notebook.part(number * steps, steps, len(wanted) * steps)
         name = f"{course}_seed_{seed}{'_quick' * notebook.quick}"
-        training = trained(notebook, name, bundle, steps, progress, seed=seed, schedule=course, **settings)
+        training = learning.trained(notebook, name, bundle, steps, progress, seed=seed, schedule=course, **settings)
         yield Learner(course, seed, training, *_tested(notebook, bundle, notebook.folder / name))
 
 
@@ -226,12 +217,14 @@ TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 def _plots(groups: Groups, untrained: Sequence[Episode], steps: int) -> Iterator[Plot]:
     tested = f"at {AGES_MONTHS[1]:g} months"
     yield _age_plot([group[0] for group in groups.values()], steps)
-    yield learning_plot(groups, TIME_TO_TOUCH, "Learning, at the age of the moment")
+    yield learning.learning_plot(groups, TIME_TO_TOUCH, "Learning, at the age of the moment")
     checks = {
         schedule: (list(group[0].checks), [list(item.check_times_s().values()) for item in group])
         for schedule, group in groups.items()
     }
-    yield banded_plot(checks, TIME_TO_TOUCH, f"Tested {tested}", fmean(reach.duration_s for reach in untrained))
+    yield learning.banded_plot(
+        checks, TIME_TO_TOUCH, f"Tested {tested}", fmean(reach.duration_s for reach in untrained)
+    )
     dots = tuple(
         Dots([item.time_s() for item in group], [100 * item.success_rate() for item in group], schedule)
         for schedule, group in groups.items()

@@ -19,16 +19,8 @@ from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, open_infant
-from mimoc.studies.experiments.legs.trials import (
-    Interval,
-    Result,
-    band_of,
-    forget_trials,
-    interval,
-    run_cases,
-    sign_test,
-    write_measures,
-)
+from mimoc.studies.experiments.legs.intervals import Interval, band_of, interval, sign_test
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 MONTHS: Sequence[float] = (0, 1, 3, 6)

@@ -27,7 +27,8 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.grating_card import WEIGHTS
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, interval, run_cases, write_measures
+from mimoc.studies.experiments.legs.intervals import interval
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 from mimoc.studies.experiments.sight import Points, Sight
 

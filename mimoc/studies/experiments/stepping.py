@@ -9,17 +9,9 @@ from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.infants import Setup, bundle_of, leg_kg
+from mimoc.studies.experiments.legs.intervals import Values, band_of, change_text, interval, relative_changes
 from mimoc.studies.experiments.legs.steps import SHARE, TRIES_PER_MIN, StepCase, stepping
-from mimoc.studies.experiments.legs.trials import (
-    Values,
-    band_of,
-    change_text,
-    forget_trials,
-    interval,
-    relative_changes,
-    run_cases,
-    write_measures,
-)
+from mimoc.studies.experiments.legs.trials import forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 from mimoc.studies.experiments.weights import step_cases_of
 

@@ -19,19 +19,9 @@ from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, leg_kg, open_infant
+from mimoc.studies.experiments.legs.intervals import Values, band_of, change_text, direction, interval, relative_changes
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
-from mimoc.studies.experiments.legs.trials import (
-    Result,
-    Values,
-    band_of,
-    change_text,
-    direction,
-    forget_trials,
-    interval,
-    relative_changes,
-    run_cases,
-    write_measures,
-)
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 WEEKS: Sequence[float] = (6, 12, 18, 26)

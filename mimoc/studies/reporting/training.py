@@ -9,23 +9,11 @@ from mimoc.base.quantities import Quantity, outcome
 from mimoc.bundle.model import load_model
 from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.studies.reporting import words
+from mimoc.studies.reporting import page, words
 from mimoc.studies.reporting.infant import infant_sections
 from mimoc.studies.reporting.infant.sources import Sources
 from mimoc.studies.reporting.infant.who import introduce
-from mimoc.studies.reporting.page import (
-    Cell,
-    Code,
-    Details,
-    Drawings,
-    Page,
-    Section,
-    TextBlock,
-    Tile,
-    Tiles,
-    number,
-    table,
-)
+from mimoc.studies.reporting.page import Cell, Code, Details, Drawings, Section, TextBlock, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
 from mimoc.training.settings import hyperparameters_of
@@ -48,7 +36,7 @@ UNFINISHED_NOTE = (
 NO_CURVE = "The training has not reached its first checkpoint: there is no learning curve yet."
 
 
-def training_page(folder: Path) -> Page:
+def training_page(folder: Path) -> page.Page:
     """Return the page of a training run.
 
     Raises:
@@ -63,7 +51,7 @@ def training_page(folder: Path) -> Page:
     lead, pictures = introduce(bundle)
     done, wanted = curve.steps, run.settings.steps
     state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
-    return Page(
+    return page.Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
         lead=(f"Trained for {done:,} control steps. {state}.", *lead),

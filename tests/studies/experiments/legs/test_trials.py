@@ -6,18 +6,8 @@ from dataclasses import dataclass
 import pytest
 
 from mimoc.studies import kept_results
-from mimoc.studies.experiments.legs.trials import (
-    FOLDER,
-    Result,
-    Trial,
-    change_text,
-    direction,
-    forget_trials,
-    interval,
-    relative_changes,
-    run_trials,
-    sign_test,
-)
+from mimoc.studies.experiments.legs.intervals import change_text, direction, interval, relative_changes, sign_test
+from mimoc.studies.experiments.legs.trials import FOLDER, Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import open_notebook
 
 
