@@ -97,7 +97,6 @@ class TouchLog:
     """Logs which geoms of the infant its hands touch in an episode, without their fingers, as BabyBench's has them."""
 
     def __init__(self, env: InfantEnv):
-        """Begin an episode."""
         model = env.model
         self._env = env
         self._hands = {side: set(np.flatnonzero(model.geom_bodyid == model.body(f"{side}_hand").id)) for side in SIDES}

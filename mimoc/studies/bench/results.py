@@ -98,7 +98,6 @@ def _code(text: str) -> str:
 
 
 def _success(scores: CellScores | None) -> str:
-    """Return a share with its interval; of a task without a goal, the distance to real infants."""
     if scores is None:
         return ""
     if scores.success is None or scores.success_95 is None:

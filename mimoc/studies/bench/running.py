@@ -146,12 +146,7 @@ def verify_bench(
 def write_specs(
     folder: str | Path, tasks: Sequence[str] | None = None, ages_months: Sequence[float] | None = None
 ) -> list[Path]:
-    """Write the specs of the benchmark's infants, to train for them: `reach_9.yaml` and so on; return their paths.
-
-    Raises:
-        UnknownNameError: If there is no such task.
-        OutputError: If one cannot be written.
-    """
+    """Write the specs of the benchmark's infants, to train for them: `reach_9.yaml` and so on; return their paths."""
     folder = Path(folder).expanduser()
     cells = chosen_cells(tasks, ages_months)
     make_folder(folder, below=folder.parent)

@@ -74,11 +74,7 @@ class _Tally:
 
 
 def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
-    """Return the scores of a policy, made anew, in the first test episodes of a task at an age.
-
-    Raises:
-        MimocError: If the policy does not fit, or fails.
-    """
+    """Return the scores of a policy in the first test episodes; raise a MimocError if it does not fit, or fails."""
     bundle, tally = pipeline.build(cell.spec), _Tally()
     with closing(InfantEnv(bundle)) as env:
         act = bound_policy(env, policy)

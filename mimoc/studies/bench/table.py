@@ -104,12 +104,7 @@ def bench_table() -> BenchTable:
 
 
 def chosen_cells(tasks: Sequence[str] | None = None, ages_months: Sequence[float] | None = None) -> list[Cell]:
-    """Return the cells of some tasks at those of some ages that they have; None means all.
-
-    Raises:
-        UnknownNameError: If there is no such task.
-        MimocError: If no chosen task has an age.
-    """
+    """Return the cells of some tasks at some ages (None is all); raise a MimocError if there are none."""
     table = bench_table()
     for name in tasks or ():
         check_name("task of the benchmark", name, list(table.tasks))

@@ -85,7 +85,6 @@ class Cohort:
         self._base: Source = base
 
     def __repr__(self) -> str:
-        """Return its name and file."""
         return f"Cohort({self.spec.cohort!r}, {self._source.file!r})"
 
     @cached_property

@@ -50,11 +50,7 @@ def children_of(cohort: CohortSpec) -> tuple[IndividualSpec, ...]:
 
 
 def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[CohortInfant, ...]:
-    """Return all infants of a cohort, in the order of its design, made from the spec *base*.
-
-    Raises:
-        SpecError: If some combinations of values are invalid; the error names the values.
-    """
+    """Return all infants of a cohort, in the order of its design; a SpecError names combinations that are invalid."""
     _check_number(cohort, source)
     children, origin = children_of(cohort), read_spec(base)
     _check_children(cohort, source, origin)

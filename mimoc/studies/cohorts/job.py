@@ -48,11 +48,7 @@ class Job:
 
 
 def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
-    """Return all jobs of a cohort, those of one infant next to each other; equal ones are one.
-
-    Raises:
-        MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
-    """
+    """Return all jobs, those of one infant next to each other and equal ones once; a MimocError says what they lack."""
     place, home = str(folder.resolve()), str(spec_folder.resolve())
     functions_named = tuple(name for name in cohort.measure if name not in measures())
     steps = [*_steps(cohort)]
@@ -113,11 +109,7 @@ def _text(data: Any) -> str:
 
 
 def import_function(name: str, folder: str) -> Callable[..., Any]:
-    """Return a function that is named as `module:function`; the module can be in a folder.
-
-    Raises:
-        MimocError: If there is no such module or function.
-    """
+    """Return a function named as `module:function`, perhaps in a folder; raise a MimocError if there is none."""
     module_name, _, function = name.partition(":")
     with _found_in(folder):
         known, wanted = sys.modules.get(module_name), _beside(module_name, folder)
@@ -133,11 +125,7 @@ def import_function(name: str, folder: str) -> Callable[..., Any]:
 
 
 def digest_of(name: str, folder: str) -> str:
-    """Return the digest of the file of a function's module, so that jobs with an older version are done again.
-
-    Raises:
-        MimocError: If there is no such module.
-    """
+    """Return the digest of a function's module, so that jobs with an older version are done again; or a MimocError."""
     module_name = name.partition(":")[0]
     with _found_in(folder):
         try:

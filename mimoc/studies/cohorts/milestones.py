@@ -79,11 +79,7 @@ class MilestoneSummary:
 
 
 def milestone_summary(rows: Rows) -> MilestoneSummary:
-    """Return when the children in the table of a cohort reach milestones.
-
-    Raises:
-        MimocError: If no milestones have been found, because the cohort has no such step, or it is not done.
-    """
+    """Return when the children in the table of a cohort reach milestones; raise a MimocError if none are found."""
     children = [row for row in rows if row["step"] == "milestones" and row["status"] == "ok"]
     ages = {trial: [row.get(quantity.name) for row in children] for trial, quantity in MILESTONE_AGES.items()}
     tried = {trial: column for trial, column in ages.items() if f"{trial}_months" in (children[0] if children else ())}

@@ -58,12 +58,8 @@ class Plan:
 def plan(cohort: Cohort, out: str | Path, progress: Progress = lambda done, total: None) -> Plan:
     """Return what a cohort will take, after a trial of each step that is not done; nothing is written to its folder.
 
-    Progress is in steps tried.
-
     Raises:
-        SpecError: If some combinations of values are invalid, or a step is.
-        OutputError: If the folder holds anything else.
-        MimocError: If a module or a policy that it names does not exist.
+        MimocError: If it cannot be run, or the folder holds anything else.
     """
     jobs, store = cohort.jobs(), Store(Path(out).expanduser())
     store.check_usable()

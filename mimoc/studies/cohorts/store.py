@@ -60,12 +60,7 @@ class Store:
             make_folder(self.folder / name, below=self.folder)
 
     def check_usable(self) -> None:
-        """Check that a cohort can have this folder: it does not exist, is empty, or is a cohort's.
-
-        Raises:
-            OutputError: If it is a file, or holds anything else.
-            MimocError: If its mark is damaged.
-        """
+        """Check that this folder does not exist, is empty, or is a cohort's; raise a MimocError if it is not."""
         if self.folder.exists() and not self.folder.is_dir():
             raise OutputError(f"{self.folder}: this is a file; name a new folder")
         try:
@@ -105,11 +100,7 @@ class Store:
         return [job for job in jobs if self.read(job) is None]
 
     def write(self, job: Job, result: Result) -> None:
-        """Write the result of a job; a failure never replaces a success, which another process may have had.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write the result of a job; a failure never replaces a success, which another process may have had."""
         if not result.ok and (known := self.read(job)) and known.ok:
             return
         place = self.result(job)
@@ -119,11 +110,7 @@ class Store:
         write_file(place, render_json(_plain({"job": job.key, **of_job, **of_result})), below=self.folder)
 
     def forget(self, job: Job) -> None:
-        """Remove the result of a job, so that it is done again.
-
-        Raises:
-            OutputError: If it cannot be removed, or a folder that it is in is a link.
-        """
+        """Remove the result of a job, so that it is done again; raise an OutputError if it cannot be removed."""
         for path in (self.result(job), self.log(job)):
             check_unlinked(path.parent, below=self.folder)
             try:
@@ -136,11 +123,7 @@ class Store:
         return self._place("logs", job, ".txt")
 
     def runs(self, job: Job, *, empty: bool = False) -> Path:
-        """Return the folder of what else a job writes, such as a training run; *empty* to begin with an empty one.
-
-        Raises:
-            OutputError: If it cannot be written, or is a link.
-        """
+        """Return the folder of what else a job writes, such as a training run; *empty* to begin with an empty one."""
         folder = check_unlinked(self._place("runs", job, ""), below=self.folder)
         if empty:
             remove(folder)
@@ -151,12 +134,7 @@ class Store:
         return self._place("bundles", job, "")
 
     def write_bundle(self, job: Job, bundle: Bundle) -> Path:
-        """Write a bundle, without its provenance, that shares pictures and meshes with all others.
-
-        Raises:
-            BundleError: If it cannot be written.
-            OutputError: If a folder that it is in is a link.
-        """
+        """Write a bundle, without its provenance, that shares pictures and meshes with all others."""
         folder, lean = check_unlinked(self.bundle_folder(job), below=self.folder), without(bundle, PROVENANCE)
         check_unlinked(self.folder / ASSETS, below=self.folder)
         return write_bundle(lean, folder, force=True, shared=SharedFiles(self.folder / ASSETS))
@@ -204,10 +182,7 @@ _FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
 def finished_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
     """Return the jobs that have a result, by step, factors and seed, and the names of results that cannot be read.
 
-    The jobs do not know the specs of their infants, so that they can be told of, but not be done again.
-
-    Raises:
-        MimocError: If the folder is not that of a cohort.
+    They do not know the specs of their infants, so that they cannot be done again. Another folder is a MimocError.
     """
     store.check()
     jobs, damaged = list[Job](), list[str]()

@@ -67,11 +67,7 @@ def rows_of(
 
 
 def write_csv(rows: Rows, folder: Path) -> Path:
-    """Write the table as CSV: empty cells for what has no value, `true` and `false`, numbers rounded as in all files.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Write the table as CSV: empty cells for no value, `true` and `false`, numbers rounded as in all files."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(rows[0] if rows else ())
@@ -80,12 +76,7 @@ def write_csv(rows: Rows, folder: Path) -> Path:
 
 
 def write_parquet(rows: Rows, folder: Path) -> Path:
-    """Write the table as Parquet, with whole numbers, numbers, truth values and texts as what they are.
-
-    Raises:
-        MissingExtraError: If pyarrow is not installed.
-        OutputError: If it cannot be written.
-    """
+    """Write the table as Parquet, of numbers, truth values and texts; raise a MissingExtraError without pyarrow."""
     try:
         import pyarrow
         from pyarrow import parquet

@@ -66,12 +66,7 @@ def run_experiment(
 
 
 def check_experiment(name: str, development: str | None) -> Development | None:
-    """Return the law of development of the infants of an experiment; None if it has laws of its own.
-
-    Raises:
-        UnknownNameError: If there is no such experiment or law.
-        MimocError: If a law is asked for of an experiment that has its own.
-    """
+    """Return the law of development of the infants of an experiment, None if it has its own; or raise a MimocError."""
     if name not in EXPERIMENTS:
         raise UnknownNameError("known experiment", name, EXPERIMENTS)
     if development is None:

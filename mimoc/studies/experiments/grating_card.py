@@ -68,7 +68,6 @@ class CardTrial:
     """
 
     def __init__(self, eyes: Eyes, frequency_cpd: float):
-        """Hold a card before an infant; its contrast can be changed."""
         bundle, patch_deg = looking_infant(eyes), math.degrees(PATCH_M / eyes.distance_m)
         cycles = max(1, round(frequency_cpd * patch_deg))
         self.frequency_cpd = cycles / patch_deg
@@ -78,11 +77,9 @@ class CardTrial:
         self._windows = [self._window(eye.camera) for eye in bundle.manifest.anatomy.eyes]
 
     def __enter__(self) -> Self:
-        """Open it."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Close the environment."""
         self._env.close()
 
     def look(self, contrast: float = 1.0) -> Seen:

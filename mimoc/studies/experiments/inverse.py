@@ -88,7 +88,6 @@ def sitting(development: Development) -> Bundle:
 
 
 def _all_limbs(errors: FloatArray) -> FloatArray:
-    """Return errors by trial, time and limb as those of all limbs in all trials, shape (n, t + 1)."""
     return np.concatenate(list(np.moveaxis(errors, 2, 0)))
 
 

@@ -85,10 +85,7 @@ def reach_with_variants(
     most_s: float,
     counted: Callable[[object], object],
 ) -> Reaches:
-    """Let the infant of each variant reach with each delay, for the same targets; *counted* is called for each infant.
-
-    A reach is given up after *most_s* of simulated time.
-    """
+    """Let the infant of each variant reach with each delay for the same targets; *counted* is called for each."""
     reaches: dict[tuple[Variant, float], Sequence[Reach]] = {}
     for variant in variants:
         for delay_ms in DELAYS_MS:
@@ -233,10 +230,7 @@ def infant_of_age(age_months: float, delay: str) -> InfantSpec:
 
 
 def reach_at_ages(months: Sequence[float], count: int, most_s: float, counted: Callable[[Group], Group]) -> list[Group]:
-    """Let infants of some ages reach with each delay, for the same targets; *counted* is called for each infant.
-
-    A reach is given up after *most_s* of simulated time.
-    """
+    """Let infants of some ages reach with each delay for the same targets; *counted* is called for each."""
     groups = []
     for age_months in months:
         for delay in DELAYS:

@@ -146,16 +146,10 @@ class Notebook:
         self.write_picture(file, encode(Sheet(tuple(plots))))
 
     def write_page(self, measured: Measured | None, /, *libraries: str, **numbers: object) -> Path:
-        """Write the report, the text of `pages/NAME.md`, with how to reproduce it.
+        """Write the report, the text of `pages/NAME.md` with numbers and tables by their names; and how to redo it.
 
-        Args:
-            measured: What was measured of the quantities that the paper has figures of, by their names in
-                `pages/figures.csv`; shown beside them, with the text of `pages/NAME_published.md`, of the paper's body.
-            libraries: Further libraries that the results depend on.
-            numbers: Numbers and tables by their names in the texts.
-
-        Raises:
-            OutputError: If it cannot be written.
+        What was measured of quantities in `pages/figures.csv` is shown beside the paper's figures, of the paper's body,
+        with the text of `pages/NAME_published.md`. The results depend on further *libraries*.
         """
         law = f" --development {self.development}" if self.development else ""
         command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{law}{' --quick' * self.quick}"

@@ -182,7 +182,6 @@ def _builder(law: Development) -> Builder:
 
 
 def _measured(rooms: Sequence[Inventory], again: Inventory) -> Measured:
-    """Return what was measured of the paper's figures, by their names; the first room was built again."""
     near = sum(room.within_reach for room in rooms) / sum(len(room.toys) for room in rooms)
     floor = mean(math.pi * room.reach.radius_m**2 / (room.size_m[0] * room.size_m[1]) for room in rooms)
     return {

@@ -88,10 +88,7 @@ class Effort:
 def efforts(
     development: Development, age_months: float, model: Model = "torque", strength_age_months: float | None = None
 ) -> Iterator[Effort]:
-    """Yield the trajectory of each behaviour of the average child, all from the same resting state.
-
-    Its strength is that of another age if `strength_age_months` says so.
-    """
+    """Yield the trajectory of each behaviour of the average child, all from the same resting state."""
     builder = lying(development, age_months, model, strength_age_months)
     with closing(InfantEnv(builder(0, check=False))) as env:
         env.reset()
@@ -227,7 +224,6 @@ def _shown(efforts: Iterable[Effort]) -> list[Effort]:
 
 
 def _muscle_rows(muscle: Sequence[Effort]) -> str:
-    """Return the time to 60 degrees with the strength of the age, and with that of 18 months."""
     times = {(effort.age_months, effort.strength_age_months, effort.behaviour): _time(effort) for effort in muscle}
     rows = {
         age: [times[age, strength, behaviour] for strength in (age, FULL_SIZE_MONTHS) for behaviour in BEHAVIOURS]

@@ -148,7 +148,6 @@ def _changes(kicks: Kicks, week: float, seconds: float, gain: float, side: str, 
 
 
 def _table(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    """Return a row for each age and measure: what the weight alone changes."""
     rows = []
     for week in weeks:
         for measure in MEASURES:

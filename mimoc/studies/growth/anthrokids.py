@@ -93,11 +93,7 @@ class MeasurementReport:
 
 
 def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress | None = None) -> MeasurementReport:
-    """Return the comparison of an infant, compiled at the middle of each age group, with the survey's means.
-
-    Args:
-        spec: The infant, grown to each age; None means the average child.
-        progress: Called after each age.
+    """Return the comparison of an infant, or the average child, in the middle of age groups with the survey's means.
 
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.

@@ -46,10 +46,7 @@ class TrialInfant(DrivenInfant):
 
     @property
     def sensed_steps(self) -> IntArray:
-        """Physics steps after which place and speed of each joint are known, shape (njnt,).
-
-        Those of the root are told by proprioception and balance together.
-        """
+        """Physics steps after which each joint is known, the root by proprioception and balance, shape (njnt,)."""
         model, timing = self.model, self.timing
         steps = timing.delay_steps("proprioception", within(model, model.jnt_bodyid.astype(np.intp)), model.njnt)
         balance = timing.delay_steps("vestibular", None, model.njnt)
@@ -72,11 +69,7 @@ class TrialInfant(DrivenInfant):
 
 
 def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> TrialInfant:
-    """Return the infant of a spec at some age, alone on a flat floor, all of its muscles at its command.
-
-    Raises:
-        SpecError: If the spec asks for what this version cannot build.
-    """
+    """Return the infant of a spec at some age, alone on a flat floor all muscles at its command, or a SpecError."""
     grown = grown_to(spec, age_months, conditions)
     with errors_at(spec, age_months):
         model = compile_infant(grown)
@@ -106,11 +99,7 @@ def compile_once(spec: str, age_months: float, conditions: Conditions) -> TrialI
 
 
 def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> InfantSpec:
-    """Return a spec at some age, with all of its muscles at its command and their strength under some conditions.
-
-    Raises:
-        SpecError: If the spec cannot have this age.
-    """
+    """Return a spec at some age, all muscles at its command with the strength of conditions; or raise a SpecError."""
     asked = spec.actuation
     pairs = {side: pair for pair, sides in PAIRED_GROUPS.items() for side in sides}
     strength = {

@@ -280,7 +280,6 @@ def _searches(trial: Trial, infant: InfantSpec) -> Mapping[str, str]:
 
 
 def _both(results: Mapping[str, SearchResult]) -> Mapping[str, SearchResult]:
-    """Return what was found for both sides, if that is known for one."""
     if set(results) != {"right"}:
         return results
     right = results["right"]

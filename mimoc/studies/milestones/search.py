@@ -190,10 +190,7 @@ class Case:
 def run_searches(
     cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[], None]
 ) -> Mapping[Case, SearchResult]:
-    """Return what is found in each case; of searches that the same software has finished in this folder, what it found.
-
-    Each result is written as soon as it is there; *finished* is called after each search.
-    """
+    """Return what is found in each case, or was by the same software in this folder, where each result is kept."""
     results = {case: result for case in cases if (result := _read(folder, case)) is not None}
     for _ in results:
         finished()

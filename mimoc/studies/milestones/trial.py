@@ -126,10 +126,7 @@ class Trial:
 
 
 def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, side: str = "") -> Outcome:
-    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
-
-    Of a trial with sides, only attempts with one *side* count, or with either.
-    """
+    """Return the outcome of the first attempt, of one *side* or either, that succeeds, or of the longest."""
     best = Outcome(False, 0.0, "this infant lacks a part that the trial needs")
     for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():
         if side not in ("", attempt.side):

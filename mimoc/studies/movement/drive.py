@@ -33,7 +33,6 @@ class Drive:
     """Turns shares of strength into controls."""
 
     def __init__(self, infant: TrialInfant):
-        """Find the actuators of each driven hinge."""
         model = infant.model
         self._infant = infant
         self._slots = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])

@@ -37,13 +37,7 @@ NO_CURVE = "The training has not reached its first checkpoint: there is no learn
 
 
 def training_page(folder: Path) -> page.Page:
-    """Return the page of a training run.
-
-    Raises:
-        TrainingError: If its files are damaged.
-        BundleError: If its infant is damaged.
-        ModelError: If MuJoCo rejects its model.
-    """
+    """Return the page of a training run; raise a MimocError if its files or its infant are damaged."""
     run, curve = read_training_run(folder)
     bundle = read_run_bundle(folder)
     sources = Sources(bundle)

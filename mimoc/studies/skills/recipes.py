@@ -60,10 +60,7 @@ class Form:
     """From vectors to movements of an infant."""
 
     def __init__(self, recipe: Recipe, task: str, age_months: float, joints: tuple[str, ...], start: FloatArray):
-        """Say what a movement of the task's recipe is made of, for all hinges that can be commanded.
-
-        Each starts at some share of its range, shape (n,).
-        """
+        """Say what a movement is made of; hinges that can be commanded start at shares of their range, shape (n,)."""
         kept = [place for place, joint in enumerate(joints) if _name(joint) in recipe.joints]
         self.recipe, self.task, self.age_months = recipe, task, age_months
         self.joints = tuple(joints[place] for place in kept)
@@ -104,6 +101,5 @@ class Form:
 
 
 def _name(joint: str) -> str:
-    """Return the name of a joint without `robot:` and side; of those of fingers, `fingers`."""
     name = joint.removeprefix("robot:").removeprefix("left_").removeprefix("right_")
     return "fingers" if name.partition("_")[0] in FINGERS else name

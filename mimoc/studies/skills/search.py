@@ -68,7 +68,6 @@ class Searcher:
     """Tries movements with one infant."""
 
     def __init__(self, env: InfantEnv):
-        """Find what the infant can move; its task is the skill."""
         self.env = env
         env.reset(seed=0)
         joints = tuple(dict.fromkeys(a.joint for a in env.manifest.actuation.actuators if a.commanded))

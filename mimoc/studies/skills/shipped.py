@@ -50,11 +50,7 @@ class SkillsReport:
 
 
 def shipped_skills(folder: Path = RESULTS) -> SkillsReport:
-    """Return all results that come with mimoc, in the order in which infants learn the skills.
-
-    Raises:
-        MimocError: If there are none.
-    """
+    """Return all results that come with mimoc, in the order in which infants learn skills; or raise a MimocError."""
     read = {name: read_json_file(folder / f"{name}.json", SkillReport) for name in SKILLS}
     skills = [skill for skill in read.values() if skill is not None]
     if not skills:

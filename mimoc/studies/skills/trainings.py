@@ -35,10 +35,7 @@ def trainings(
     out: Path,
     processes: int,
 ) -> Iterator[tuple[int, Attempt]]:
-    """Train policies for infants with seeds on a device side by side; yield the place of each and what came of it.
-
-    Progress is in control steps; each policy is measured in some starts, by several processes.
-    """
+    """Train policies for infants with seeds on a device side by side; yield the place of each and what came of it."""
     wishes, names = dict[int, Wish](), dict[int, str]()
     for place, (spec, seed) in enumerate(jobs):
         try:
@@ -70,7 +67,6 @@ def while_learning(spec: InfantSpec) -> InfantSpec:
 
 
 def _measured(spec: InfantSpec, seed: int, name: str, training: Training, starts: int) -> Attempt:
-    """Return what comes of a policy on the CPU, without help."""
     env = open_infant(spec)
     episodes = evaluate(env, load_policy(training.policy), episodes=starts, seed=FIRST_TEST)
     env.close()

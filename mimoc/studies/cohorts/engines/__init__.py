@@ -34,13 +34,7 @@ Engine = Callable[[Sequence[Job], Store, Mapping[str, Any], Done], None]
 
 
 def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
-    """Return an engine that can run with some options.
-
-    Raises:
-        UnknownNameError: If there is none of this name, or it has no such option.
-        MissingExtraError: If what it needs is not installed.
-        MimocError: If it cannot run here, or an option has an impossible value.
-    """
+    """Return an engine that can run with some options; raise a MimocError if none can."""
     if name not in ENGINES:
         raise UnknownNameError("place to run a cohort on", name, ENGINES)
     engine = import_module(ENGINES[name])
@@ -138,7 +132,6 @@ class _Again:
     """Decides which jobs are begun again."""
 
     def __init__(self, store: Store):
-        """Begin without any that were killed."""
         self._store = store
         self._tries: Counter[tuple[str, bool]] = Counter()
 

@@ -28,9 +28,6 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     """Do jobs in as many processes as this one may use cores, or as `processes` says.
 
     A job whose process is killed is begun again in another, and fails if that is killed as well.
-
-    Raises:
-        OutputError: If the folder cannot be written.
     """
     number = options.get("processes") or len(os.sched_getaffinity(0))
     queue, tries, finished = Queue(jobs), dict[str, int](), 0

@@ -29,11 +29,7 @@ POLL_S = 1.0  # How often to give the caller a chance.
 
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
-    """Do jobs as tasks of one core each; options are OPTIONS, and a process that has joined a cluster uses that.
-
-    Raises:
-        MimocError: If there is no cluster at the address.
-    """
+    """Do jobs as tasks of one core each; a process that has joined a cluster uses that."""
     tasks = tasks_of(jobs, options.get("jobs_per_task"))
     shared = Store(store.folder.resolve())
     if ray.is_initialized():
@@ -76,7 +72,6 @@ def _no_cluster(address: str, problem: str) -> MimocError:
 
 
 def _start() -> None:
-    """Start a cluster on this machine, with all cores that this process may use."""
     for tries_left in reversed(range(STARTS)):
         problem = _problem(LOCAL, num_cpus=len(os.sched_getaffinity(0)), include_dashboard=False)
         if problem is None:
@@ -98,32 +93,27 @@ class _Ray:
     """Tasks that a Ray cluster does."""
 
     def __init__(self, store: Store):
-        """Prepare to submit tasks."""
         self._store, self._running = store, dict[str, ray.ObjectRef]()
         pinned = {"env_vars": dict(PINNED)}
         self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(run_jobs)
 
     @property
     def room(self) -> int:
-        """Tasks for all cores that the cluster has now."""
         return TASKS_PER_CORE * max(1, int(ray.cluster_resources().get("CPU", 1)))
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
-        """Begin tasks."""
         begun = [self._do.remote(task, self._store) for task in tasks]
         names = [task.hex() for task in begun]
         self._running.update(zip(names, begun, strict=True))
         return names
 
     def ended(self) -> Mapping[str, End]:
-        """Return how tasks have ended."""
         ready, _ = ray.wait([*self._running.values()], num_returns=1, timeout=POLL_S)
         if ready:
             ready, _ = ray.wait([*self._running.values()], num_returns=len(self._running), timeout=0)
         return {task.hex(): _end(self._running.pop(task.hex())) for task in ready}
 
     def cancel(self) -> None:
-        """Cancel all tasks."""
         for task in self._running.values():
             ray.cancel(task, force=True)
 

@@ -22,7 +22,6 @@ class Expected:
     """Running mean and variance of some numbers: the plain ones at first, later those of the last minute."""
 
     def __init__(self, size: int):
-        """Begin without any experience of *size* numbers."""
         self._mean, self._variance, self._count = np.zeros(size), np.zeros(size), 0
 
     def standardised(self, values: FloatArray) -> FloatArray:
@@ -53,7 +52,6 @@ class GainLearner:
     """
 
     def __init__(self):
-        """Begin without any experience."""
         self.strengths = np.zeros(len(LIMBS))
         """How much the movement of each limb predicts reward, in standard deviations, shape (6,)."""
         self._covariance = EXPECTED**2 * np.eye(len(LIMBS))

@@ -51,7 +51,6 @@ class AlternateSteps:
     """Bends legs in turn: activation is a share times sin² over a burst; the other leg is stretched a little."""
 
     def __init__(self, env: Infant):
-        """Look up the muscles."""
         names = [env.model.actuator(int(index)).name for index in env.actuation.actuators]
         self._bends, self._stretches = (
             {side: [names.index(f"act:{side}_{name}") for name in muscles] for side in SIDES}

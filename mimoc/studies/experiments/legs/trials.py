@@ -35,10 +35,7 @@ class Trial:
 
 
 def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
-    """Return what came of trials, in their order; those that an earlier run of the same software finished are kept.
-
-    Quick experiments run in this process, others in as many as there are processors.
-    """
+    """Return what came of trials, in their order; those that the same software finished earlier are kept."""
     folder, count = notebook.folder, notebook.counter(len(trials))
     files = [_file(folder, trial) for trial in trials]
     results = {slot: result for slot, file in enumerate(files) if (result := read_kept(file, Result, below=folder))}

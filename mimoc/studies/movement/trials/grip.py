@@ -41,7 +41,6 @@ def grip(infant: TrialInfant, hand: Hand) -> dict[str, float]:
 
 
 def _held(infant: TrialInfant) -> TrialInfant:
-    """Return the infant without gravity, all but its fingers and the rod held."""
     model = copy.copy(infant.model)
     model.opt.gravity[:] = 0.0
     loose = replace(infant, model=model)

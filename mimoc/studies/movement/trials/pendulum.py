@@ -33,10 +33,7 @@ class Swing:
 
 
 def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[str, float]) -> Swing:
-    """Return how a limb of a slack infant swings that is let go at an angle, the trunk upright and nothing touched.
-
-    All other joints are held in a posture.
-    """
+    """Return how a limb of an upright slack infant swings that is let go, nothing touched and other joints held."""
     held = all_but(floating(infant), joint)
     data = held.placed(0.0, {**posture_deg, joint: start_deg}, ABOVE_M)
     trace = [angle_deg(held, data, joint)]

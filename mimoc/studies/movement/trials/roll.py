@@ -40,7 +40,6 @@ class Roller:
     moved: IntArray = field(init=False)  # Indices of the driven hinges that move, shape (m,).
 
     def __post_init__(self) -> None:
-        """Lay the infant down."""
         self.start = settled(self.infant)
         names = self.infant.joint_names
         moved = [slot for slot, name in enumerate(names) if not any(part in f"_{name}" for part in EXCEPT)]
@@ -70,10 +69,7 @@ class Roller:
 
 
 def search_roll(infant: TrialInfant, rounds: int = ROUNDS, seed: int = 0) -> tuple[float, int]:
-    """Return how far the best sequence turns an infant down, in [deg], and how many were tried.
-
-    The usual number of rounds takes two minutes of one core.
-    """
+    """Return how far the best sequence turns an infant down, in [deg], and how many were tried."""
     roller, random = Roller(infant), np.random.default_rng(seed)
     mean, best_deg = np.zeros(POSTURES * len(roller.moved)), -90.0
     spread = np.full(len(mean), SPREAD)

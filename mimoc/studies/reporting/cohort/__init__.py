@@ -30,11 +30,7 @@ CAPTION = (
 
 
 def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page:
-    """Return the page of a cohort; without the *cohort* itself, jobs that are not done yet are not known.
-
-    Raises:
-        MimocError: If the folder is not that of a cohort.
-    """
+    """Return the page of a cohort; without the *cohort* itself, jobs that are not done yet are not known."""
     store = Store(folder)
     if cohort:
         store.check()

@@ -42,7 +42,6 @@ def children(jobs: Sequence[Job], store: Store) -> Section | None:
 
 
 def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
-    """Return what is known of each child, by its number; what differs between its ages is left out."""
     known: dict[int, dict[str, Any]] = {}
     for job in jobs:
         child = job.factors.get("child")
@@ -54,7 +53,6 @@ def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
 
 
 def _scatters(known: Mapping[int, Mapping[str, Any]]) -> Iterator[Block]:
-    """Yield plots of measures against each other, where the children that have both differ."""
     plots = []
     for x, y in product(LENGTHS, AGAINST_LENGTH):
         both = [child for child in known.values() if {x, y} <= child.keys()]

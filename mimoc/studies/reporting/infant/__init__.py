@@ -22,11 +22,7 @@ def infant_page(
     check: bool,
     counterparts: Mapping[str, Bundle] | None = None,
 ) -> Page:
-    """Return the page of an infant, with a *check* that its simulation is stable or without, and with its counterparts.
-
-    Raises:
-        ModelError: If MuJoCo rejects its model.
-    """
+    """Return the page of an infant, with a *check* that its simulation is stable or without, and its counterparts."""
     steps = (len(bundle.manifest.poses) if check else 0) + 2  # Poses to check, the other sections, and the portrait.
     progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)

@@ -205,11 +205,7 @@ def _row(check: PoseCheck) -> tuple[Cell, ...]:
 
 
 def beside(bundle: Bundle, other: Bundle, name: str) -> Section:
-    """Return the section on an infant beside its counterpart, such as the `healthy` one, a row for each joint.
-
-    Raises:
-        ModelError: If MuJoCo rejects a model.
-    """
+    """Return the section on an infant beside its counterpart, such as the `healthy` one, a row for each joint."""
     headings = ("joint", PEAK_TORQUE.heading, name, JOINT_RANGE.heading, name)
     rows = list(_rows(_joints(bundle), _joints(other)))
     if not rows:
