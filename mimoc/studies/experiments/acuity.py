@@ -140,13 +140,8 @@ def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
         label = f"{age_months:g} month{'s' * (age_months != 1)}"
         lines.append(Line((0, results[0].acuity_cpd), (1, 0), label))
         dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
-    return Plot(
-        x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
-        y=Quantity("contrast", "Remaining contrast"),
-        lines=tuple(lines),
-        dots=tuple(dots),
-        title="Contrast sensitivity",
-    )
+    x, y = Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"), Quantity("contrast", "Remaining contrast")
+    return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")
 
 
 def _numbers(measured: Sequence[Transfer], size_px: int) -> dict[str, object]:

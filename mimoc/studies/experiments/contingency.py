@@ -96,13 +96,8 @@ def infants(law: None) -> Iterator[Bundle]:
 
 def bundle_of(case: Phases, yoked_s: Sequence[float]) -> Bundle:
     """Return an infant on its back with a caregiver, who answers kicks, or at some times whatever it does."""
-    starts_s = dict(zip(("interact", "still_face", "reunion"), case.ends_s, strict=False))
-    script = [
-        {"at_s": 0.0, "do": "still_face"},
-        {"at_s": starts_s["interact"], "do": "interact"},
-        {"at_s": starts_s["still_face"], "do": "still_face"},
-        {"at_s": starts_s["reunion"], "do": "interact"},
-    ]
+    phases = ("still_face", "interact", "still_face", "interact")
+    script = [{"at_s": at_s, "do": do} for at_s, do in zip((0.0, *case.ends_s), phases, strict=False)]
     answers: dict[str, Any] = {"to": "kick", "by": ["smile", "speak"], "delay_ms": DELAY_MS, "pause_ms": PAUSE_MS}
     if yoked_s:
         answers["yoked_s"] = list(yoked_s)

@@ -55,12 +55,16 @@ VARIANTS: Sequence[Variant] = (
     Variant("high gains, the other law", other_law=True),
 )
 PLOTTED = ("high gains", "low gains")  # Variants whose first reach is plotted.
-ATAXIA_MEASURES: Mapping[str, Callable[[Reach], float]] = {  # Measures of a reach, by the heading of their column.
+MEASURES: Mapping[str, Callable[[Reach], float]] = {  # Measures of a reach by the heading of their column.
     "duration_s": lambda reach: reach.duration_s,
+    "mean_speed_m_s": lambda reach: float(reach.speed_m_s.mean()),
+    "peak_speed_m_s": lambda reach: float(reach.speed_m_s.max()),
     "movement_units": lambda reach: reach.units,
     "path_ratio": lambda reach: reach.path_ratio,
-    "peak_speed_m_s": lambda reach: float(reach.speed_m_s.max()),
+    "spectral_arc_length": lambda reach: reach.arc_length,
+    "log_dimensionless_jerk": lambda reach: reach.jerk,
 }
+ATAXIC = ("duration_s", "movement_units", "path_ratio", "peak_speed_m_s")  # Measures of these reaches.
 Reaches = Mapping[tuple[Variant, float], Sequence[Reach]]  # By variant and delay.
 
 
@@ -79,11 +83,7 @@ def ataxic_infant(variant: Variant, development: Development, delay_ms: float) -
 
 
 def reach_with_variants(
-    variants: Sequence[Variant],
-    development: Development,
-    count: int,
-    most_s: float,
-    counted: Callable[[object], object],
+    variants: Sequence[Variant], development: Development, count: int, most_s: float, counted: Callable[[Any], object]
 ) -> Reaches:
     """Let the infant of each variant reach with each delay for the same targets; *counted* is called for each."""
     reaches: dict[tuple[Variant, float], Sequence[Reach]] = {}
@@ -102,15 +102,9 @@ def write_ataxia(notebook: Notebook, reaches: Reaches) -> None:
     """Write `ataxia.csv` and `ataxia.png`."""
     notebook.write_table(
         "ataxia.csv",
-        ",".join(("variant", "delay_ms", "reach", "arrived", *ATAXIA_MEASURES)),
+        ",".join(("variant", "delay_ms", "reach", "arrived", *ATAXIC)),
         (
-            (
-                variant.name,
-                delay_ms,
-                index,
-                float(reach.arrived),
-                *(measure(reach) for measure in ATAXIA_MEASURES.values()),
-            )
+            (variant.name, delay_ms, index, float(reach.arrived), *(MEASURES[name](reach) for name in ATAXIC))
             for (variant, delay_ms), same in reaches.items()
             for index, reach in enumerate(same)
         ),
@@ -133,6 +127,7 @@ def ataxia_text(reaches: Reaches, most_s: float) -> str:
     """Return the part of the report on these reaches."""
     base = {delay_ms: same for (variant, delay_ms), same in reaches.items() if variant == VARIANTS[0]}
     shortest, *_, longest = (_medians(same) for same in base.values())
+    variants = {variant.name: variant for variant, _ in reaches}
     return page_text(
         "ataxia",
         count=len(base[DELAYS_MS[0]]),
@@ -140,7 +135,9 @@ def ataxia_text(reaches: Reaches, most_s: float) -> str:
         most_s=most_s,
         share=REACH_SHARE,
         longest_ms=DELAYS_MS[-1],
-        table=table_rows(_rows(reaches)),
+        table=table_rows(
+            (name, *(_cell(reaches[variant, delay_ms]) for delay_ms in DELAYS_MS)) for name, variant in variants.items()
+        ),
         least_units=shortest["movement_units"],
         units=longest["movement_units"],
         ratio=longest["path_ratio"],
@@ -157,11 +154,6 @@ def _products(delay_ms: float) -> str:
     return ", ".join(f"{gain.strength / gain.viscosity_per_s * late_s:.2g} ({name})" for name, gain in hands[::-1])
 
 
-def _rows(reaches: Reaches) -> Iterator[tuple[str, ...]]:
-    for variant in dict.fromkeys(variant for variant, _ in reaches):
-        yield variant.name, *(_cell(reaches[variant, delay_ms]) for delay_ms in DELAYS_MS)
-
-
 def _cell(same: Sequence[Reach]) -> str:
     medians, arrived = _medians(same), np.mean([reach.arrived for reach in same])
     return (
@@ -171,7 +163,7 @@ def _cell(same: Sequence[Reach]) -> str:
 
 
 def _medians(same: Sequence[Reach]) -> dict[str, float]:
-    return {name: float(np.median([measure(reach) for reach in same])) for name, measure in ATAXIA_MEASURES.items()}
+    return {name: float(np.median([MEASURES[name](reach) for reach in same])) for name in ATAXIC}
 
 
 OWN = "physiological"  # The delays of the infant's age.
@@ -203,17 +195,6 @@ class Group:
     def arrived(self) -> float:
         """Fraction of the reaches that arrived."""
         return float(np.mean([reach.arrived for reach in self.reaches]))
-
-
-MEASURES: Mapping[str, Callable[[Reach], float]] = {  # Measures of a reach by the heading of their column.
-    "duration_s": lambda reach: reach.duration_s,
-    "mean_speed_m_s": lambda reach: float(reach.speed_m_s.mean()),
-    "peak_speed_m_s": lambda reach: float(reach.speed_m_s.max()),
-    "movement_units": lambda reach: reach.units,
-    "path_ratio": lambda reach: reach.path_ratio,
-    "spectral_arc_length": lambda reach: reach.arc_length,
-    "log_dimensionless_jerk": lambda reach: reach.jerk,
-}
 
 
 def infant_of_age(age_months: float, delay: str) -> InfantSpec:

@@ -179,19 +179,13 @@ def _contrast_table(contrasts: dict[float, list[tuple[float, Threshold]]]) -> st
 
 
 def _acuity_plot(ages: Sequence[float], plain: Sequence[Threshold], mature: Sequence[Threshold]) -> Plot:
-    return Plot(
-        x=Quantity("age_months", "Age", "months"),
-        y=Quantity("acuity_cpd", "Finest grating preferred", "cycles/degree"),
-        lines=tuple(
-            Line(ages, [acuity_at(age, profile) for age in ages], label)
-            for profile, label in (("tac2", "entered"), ("mayer1995", "Mayer et al. 1995"))
-        ),
-        dots=tuple(
-            Dots(ages, [item.measured for item in items], label)
-            for label, items in ((PLAIN, plain), (MATURE_KEYS, mature))
-        ),
-        title="Acuity",
-    )
+    x = Quantity("age_months", "Age", "months")
+    y = Quantity("acuity_cpd", "Finest grating preferred", "cycles/degree")
+    profiles = {"tac2": "entered", "mayer1995": "Mayer et al. 1995"}
+    lines = tuple(Line(ages, [acuity_at(age, name) for age in ages], label) for name, label in profiles.items())
+    measured = {PLAIN: plain, MATURE_KEYS: mature}
+    dots = tuple(Dots(ages, [item.measured for item in items], label) for label, items in measured.items())
+    return Plot(x, y, lines, dots=dots, title="Acuity")
 
 
 def _contrast_plot(contrasts: dict[float, list[tuple[float, Threshold]]]) -> Plot:
@@ -200,10 +194,6 @@ def _contrast_plot(contrasts: dict[float, list[tuple[float, Threshold]]]) -> Plo
         label, at = f"{age:g} month{'s' * (age != 1)}", [frequency for frequency, _ in items]
         lines.append(Line(np.log2(at), np.log10([1 / item.entered for _, item in items]), label))
         dots.append(Dots(np.log2(at), np.log10([1 / item.measured for _, item in items]), label))
-    return Plot(
-        x=Quantity("frequency", "Spatial frequency", "log2 of cycles/degree"),
-        y=Quantity("sensitivity", "Contrast sensitivity", "log10"),
-        lines=tuple(lines),
-        dots=tuple(dots),
-        title="Contrast sensitivity",
-    )
+    x = Quantity("frequency", "Spatial frequency", "log2 of cycles/degree")
+    y = Quantity("sensitivity", "Contrast sensitivity", "log10")
+    return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")

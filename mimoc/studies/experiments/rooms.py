@@ -211,24 +211,19 @@ def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
     around = np.array([(-toy.left_m, toy.ahead_m) for toy in toys]) / reach.radius_m
     distances = np.sort([toy.distance_m for toy in toys]) / reach.radius_m
     far = np.linspace(0, FARTHEST, 400)
+    x, y = Quantity("right", "To the right", "reaches"), Quantity("ahead", "Ahead", "reaches")
+    dots = (Dots(around[:, 0], around[:, 1], "toys"),)
+    distance, nearer = (
+        Quantity("distance", "Distance", "reaches"),
+        Quantity("nearer", "Fraction of toys within distance"),
+    )
+    lines = (
+        Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
+        Line(far, _share_nearer(reach, far * reach.radius_m), "law, on an empty floor"),
+    )
     return [
-        Plot(
-            x=Quantity("right", "To the right", "reaches"),
-            y=Quantity("ahead", "Ahead", "reaches"),
-            dots=(Dots(around[:, 0], around[:, 1], "toys"),),
-            title="Positions of toys",
-            ring=1.0,
-            equal=True,
-        ),
-        Plot(
-            x=Quantity("distance", "Distance", "reaches"),
-            y=Quantity("nearer", "Fraction of toys within distance"),
-            lines=(
-                Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
-                Line(far, _share_nearer(reach, far * reach.radius_m), "law, on an empty floor"),
-            ),
-            title="Distances",
-        ),
+        Plot(x, y, dots=dots, title="Positions of toys", ring=1.0, equal=True),
+        Plot(distance, nearer, lines, title="Distances"),
     ]
 
 
