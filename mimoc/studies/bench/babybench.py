@@ -172,7 +172,9 @@ def run_babybench(
     first = bench_table().seeds.test[0]
     with closing(InfantEnv(pipeline.build(spec))) as env:
         env.reset(seed=first)
-        act, episode_logs = bound_policy(env, policy), [_logs_of(_begun(env, behaviour, looked=True), 0)]
+        act, loggers = bound_policy(env, policy), _begun(env, behaviour)
+        _look(loggers)
+        episode_logs = [_logs_of(loggers, 0)]
         for number in range(episodes):
             episode_logs.append(_run_episode(env, act, first + number, behaviour))
             progress(number + 1, episodes)
@@ -192,11 +194,8 @@ def run_babybench(
     return results
 
 
-def _begun(env: InfantEnv, behaviour: str, *, looked: bool = False) -> Sequence[TouchLog | RegardLog]:
-    loggers = [TouchLog(env)] if behaviour == SELF_TOUCH else [RegardLog(env), RegardLog(env, in_sight=True)]
-    if looked:
-        _look(loggers)
-    return loggers
+def _begun(env: InfantEnv, behaviour: str) -> Sequence[TouchLog | RegardLog]:
+    return [TouchLog(env)] if behaviour == SELF_TOUCH else [RegardLog(env), RegardLog(env, in_sight=True)]
 
 
 def _run_episode(env: InfantEnv, act: Policy, seed: int, behaviour: str) -> tuple[Log, ...]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.policies.control.holding.controller import Controller, Servo, servo
+from mimoc.policies.control.holding.controller import Controller, servo
 from mimoc.policies.control.holding.rehearsal import Rehearsal
 from mimoc.runtime.delays.timing import within
 from mimoc.runtime.noise.noise import NoiseStreams
@@ -171,12 +171,7 @@ def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> 
     if not conditions.delays:
         control = Controller(infant, gains, step_s)
         return lambda step: control(data, target(data, step * step_s))
-    return _delayed(infant, gains, data, target)
-
-
-def _delayed(infant: TrialInfant, gains: Servo, data: mujoco.MjData, target: Target) -> Callable[[int], FloatArray]:
-    """Return the function from a physics step to the controls that arrive in it, sent by what is known of the state."""
-    model, step_s, every = infant.model, infant.model.opt.timestep, infant.timing.period
+    model, every = infant.model, infant.timing.period
     actuators = np.arange(model.nu)
     estimator, rehearsal = Estimator(model, infant.sensed_steps), Rehearsal(infant, gains, actuators, infant.timing)
     lines = infant.timing.commands(

@@ -257,7 +257,11 @@ def _report(
     sides = BOTH if has_like_sides(infant) else SIDES
     sided = [(*job, side) for job in jobs for side in (sides if TRIALS[job[0]].side else ("",))]
     results = _run(infant.model_dump_json(), sided, processes, progress)
-    rows = [row for job in sided for row in _rows(job, results[job])]
+    rows = list[Row]()
+    for (name, age, side), result in ((job, results[job]) for job in sided):
+        for measure in TRIALS[name].measures:
+            window, value = window_of(measure.name, age), result.values.get(measure.name)
+            rows.append(Row(name, measure, age, value, window, result.reason, side))
     return MovementReport(infant.development, infant.actuation.model, rows)
 
 
@@ -305,10 +309,3 @@ def try_movement(spec: str, name: str, age_months: float, side: str = "") -> Res
 def _subject(spec: str, age_months: float) -> Subject:
     grown = grown_to(InfantSpec.model_validate_json(spec), age_months, Conditions())
     return Subject(compile_once(spec, age_months, Conditions()), grown)
-
-
-def _rows(job: Job, result: Result) -> Iterator[Row]:
-    name, age_months, side = job
-    for measure in TRIALS[name].measures:
-        window = window_of(measure.name, age_months)
-        yield Row(name, measure, age_months, result.values.get(measure.name), window, result.reason, side)
