@@ -46,7 +46,6 @@ REACH_S = 3.0  # Simulated time after which a reach is given up.
 
 Groups = Mapping[str, Sequence[Learner]]  # Trained infants by their sensory delay, as it is shown, the shortest first.
 
-
 UNITS, DETOUR = (methodcaller("mean", measure) for measure in ("units", "path_ratio"))
 """Means of a learner's reaches after training."""
 ARC_LENGTH, JERK = (methodcaller("median", measure) for measure in ("arc_length", "jerk"))  # Medians of the same.

@@ -216,7 +216,12 @@ TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 
 def _plots(groups: Groups, untrained: Sequence[Episode], steps: int) -> Iterator[Plot]:
     tested = f"at {AGES_MONTHS[1]:g} months"
-    yield _age_plot([group[0] for group in groups.values()], steps)
+    done, firsts = np.arange(0, steps, max(1, steps // 500)), [group[0] for group in groups.values()]
+    ages = tuple(
+        Line(done / 1000, [schedule_of(item.group, item.seed, steps)(int(step)) for step in done], item.group)
+        for item in firsts
+    )
+    yield Plot(THOUSANDS, AGE, ages, title=f"Schedules (seed {firsts[0].seed})")
     yield learning.learning_plot(groups, TIME_TO_TOUCH, "Learning, at the age of the moment")
     checks = {
         schedule: (list(group[0].checks), [list(item.check_times_s().values()) for item in group])
@@ -231,12 +236,3 @@ def _plots(groups: Groups, untrained: Sequence[Episode], steps: int) -> Iterator
     )
     touched = Quantity("touched", "Balls touched", "%")
     yield Plot(TIME_TO_TOUCH, touched, dots=dots, title=f"After training, {tested}")
-
-
-def _age_plot(learners: Sequence[Learner], steps: int) -> Plot:
-    done = np.arange(0, steps, max(1, steps // 500))
-    lines = tuple(
-        Line(done / 1000, [schedule_of(item.group, item.seed, steps)(int(step)) for step in done], item.group)
-        for item in learners
-    )
-    return Plot(THOUSANDS, AGE, lines, title=f"Schedules (seed {learners[0].seed})")

@@ -42,7 +42,12 @@ Errors = Mapping[str, FloatArray]
 def run(notebook: Notebook) -> Path:
     """Let an infant reach with each set of gains, and return the path of the report."""
     trials, seconds = (QUICK_TRIALS, QUICK_SECONDS) if notebook.quick else (TRIALS, SECONDS)
-    reaches = dict(_reaches(notebook, trials, seconds))
+    bundle, reaches = sitting(notebook.law), dict[str, ReachErrors]()
+    for number, (name, gains) in enumerate(GAIN_SETS.items()):
+        progress = notebook.part(number * trials, trials, len(GAIN_SETS) * trials)
+        with closing(InfantEnv(bundle)) as env:
+            generator = np.random.default_rng(SEED)
+            reaches[name] = reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=progress)
     time_s = next(iter(reaches.values())).time_s
     hands_mm = {name: _all_limbs(1000 * reach.hands_m) for name, reach in reaches.items()}
     eyes_deg = {name: _all_limbs(np.degrees(reach.eyes_rad)) for name, reach in reaches.items()}
@@ -52,7 +57,7 @@ def run(notebook: Notebook) -> Path:
     notebook.write_plots("inverse.png", plots)
     halfway_mm = [np.median(errors[:, len(time_s) // 4]) for errors in hands_mm.values()]
     faster = all(larger < smaller for smaller, larger in pairwise(halfway_mm))
-    gains = (
+    numbers = (
         (name, *(number for gain in (it.hands, it.eyes) for number in (gain.strength, gain.viscosity_per_s)))
         for name, it in GAIN_SETS.items()
     )
@@ -60,20 +65,11 @@ def run(notebook: Notebook) -> Path:
         _measured(hands_mm, eyes_deg, faster, trials),
         age=AGE_MONTHS,
         trials=trials,
-        gains=table_rows((name, *(f"{number:g}" for number in row)) for name, *row in gains),
+        gains=table_rows((name, *(f"{number:g}" for number in row)) for name, *row in numbers),
         table=_table(time_s, hands_mm, eyes_deg),
         make="make" if faster else "do not always make",
         seed=SEED,
     )
-
-
-def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
-    bundle = sitting(notebook.law)
-    for number, (name, gains) in enumerate(GAIN_SETS.items()):
-        progress = notebook.part(number * trials, trials, len(GAIN_SETS) * trials)
-        with closing(InfantEnv(bundle)) as env:
-            generator = np.random.default_rng(SEED)
-            yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=progress)
 
 
 def infants(law: Development) -> Iterator[Bundle]:

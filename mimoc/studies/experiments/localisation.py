@@ -66,7 +66,11 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("times.csv", "age_months,azimuth_deg,time_us,woodworth_us", rows)
     table = [(ears.age_months, 100 * ears.radius_m, *values) for ears, *values in zip(heard, *angles_deg.values())]  # noqa: B905
     notebook.write_table("angles.csv", "age_months,radius_cm,fitted_to_angle_deg,fitted_to_times_deg", table)
-    notebook.write_plots("localisation.png", [_times_plot(heard), _angles_plot(heard, angles_deg)])
+    low, high = zip(*(PUBLISHED_DEG[ears.age_months] for ears in heard), strict=True)
+    ages = [ears.age_months for ears in heard]
+    lines = tuple(Line(ages, values, f"noise from {name}") for name, values in angles_deg.items())
+    angles_plot = Plot(AGE, ANGLE, lines, bands=(Band(ages, low, high, "published"),), title="Minimum audible angle")
+    notebook.write_plots("localisation.png", [_times_plot(heard), angles_plot])
     return notebook.write_page(None, **_numbers(heard, rows, noises_us, list(angles_deg.values()), trials))
 
 
@@ -128,13 +132,6 @@ def _times_plot(heard: Sequence[Ears]) -> Plot:
         lines.append(Line(fine_deg.tolist(), law_us.tolist(), label))
         dots.append(Dots(ears.angles_deg, ears.times_us, label))
     return Plot(AZIMUTH, TIME, tuple(lines), dots=tuple(dots), title="Time between the ears")
-
-
-def _angles_plot(heard: Sequence[Ears], angles_deg: Mapping[str, Sequence[float]]) -> Plot:
-    months = [ears.age_months for ears in heard]
-    lines = tuple(Line(months, list(values), f"noise from {name}") for name, values in angles_deg.items())
-    low, high = zip(*(PUBLISHED_DEG[age] for age in months), strict=True)
-    return Plot(AGE, ANGLE, lines, bands=(Band(months, low, high, "published"),), title="Minimum audible angle")
 
 
 def _numbers(

@@ -78,6 +78,12 @@ def run(notebook: Notebook) -> Path:
     )
     notebook.write_plots("looking.png", [_acuity_plot(ages, plain, mature), _contrast_plot(contrasts)])
     measured = [item for items in contrasts.values() for _, item in items]
+    headings = ("months", "cycles/degree", "entered threshold [%]", "measured [%]", "measured / entered")
+    rows = (
+        [f"{age:g}", f"{at:.2f}", f"{100 * item.entered:.1f}", f"{100 * item.measured:.1f}", f"{item.ratio:.2f}"]
+        for age, items in contrasts.items()
+        for at, item in items
+    )
     return notebook.write_page(
         None,
         size=SIZE_PX,
@@ -86,7 +92,7 @@ def run(notebook: Notebook) -> Path:
         far_from=FAR_FROM_MONTHS,
         noise=100 * NOISE,
         acuities=_acuity_table(plain, mature, usual),
-        contrasts=_contrast_table(contrasts),
+        contrasts=markdown_table(headings, rows),
         plain_error=max(abs(item.ratio - 1) for item in plain) * 100,
         contrast_error=max(abs(item.ratio - 1) for item in measured) * 100,
         contrast_count=len(measured),
@@ -164,16 +170,6 @@ def _acuity_table(plain: Sequence[Threshold], mature: Sequence[Threshold], usual
             f"{CUT_OFFS_CPD[item.age_months]:g}" if item.age_months in CUT_OFFS_CPD else "",
         ]
         for item, full, coarse in zip(plain, mature, usual, strict=True)
-    )
-    return markdown_table(headings, rows)
-
-
-def _contrast_table(contrasts: dict[float, list[tuple[float, Threshold]]]) -> str:
-    headings = ("months", "cycles/degree", "entered threshold [%]", "measured [%]", "measured / entered")
-    rows = (
-        [f"{age:g}", f"{at:.2f}", f"{100 * item.entered:.1f}", f"{100 * item.measured:.1f}", f"{item.ratio:.2f}"]
-        for age, items in contrasts.items()
-        for at, item in items
     )
     return markdown_table(headings, rows)
 

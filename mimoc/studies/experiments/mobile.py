@@ -77,6 +77,14 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", bins)
     write_measures(notebook, "mobile.csv", by_case, seeds)
     notebook.write_plots("mobile.png", list(_plots(results, case)))
+    tied, gain = "contingent_left_ratio", "contingent_left_gain"
+    asked = {  # In how many pairs the first measure is larger.
+        "more than the yoked partner": (tied, "yoked_left_ratio"),
+        "the tied leg more than the other": (tied, "contingent_right_ratio"),
+        "a gain of the tied leg above the partner's": (gain, "yoked_left_gain"),
+        "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
+        "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
+    }
     page = notebook.write_page(
         None,
         "scipy",
@@ -89,7 +97,7 @@ def run(notebook: Notebook) -> Path:
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
         table=_table(results),
         answer=_answer(results),
-        predictions=_predictions(results),
+        predictions=table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()})),
     )
     forget_trials(notebook)
     return page
@@ -189,18 +197,6 @@ def _answer(results: Sequence[Result]) -> str:
         f"rises by a factor of {overall['contingent']:.2f} and {overall['yoked']:.2f}. Of all legs that move nothing "
         f"that is seen, {sum(free)} of {len(free)} do by chance: kicks come in bouts, and few are counted before."
     )
-
-
-def _predictions(results: Sequence[Result]) -> str:
-    tied, gain = "contingent_left_ratio", "contingent_left_gain"
-    asked = {
-        "more than the yoked partner": (tied, "yoked_left_ratio"),
-        "the tied leg more than the other": (tied, "contingent_right_ratio"),
-        "a gain of the tied leg above the partner's": (gain, "yoked_left_gain"),
-        "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
-        "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
-    }
-    return table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()}))
 
 
 def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:

@@ -8,7 +8,6 @@ from statistics import mean, median
 from time import perf_counter
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
@@ -211,6 +210,8 @@ def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
     around = np.array([(-toy.left_m, toy.ahead_m) for toy in toys]) / reach.radius_m
     distances = np.sort([toy.distance_m for toy in toys]) / reach.radius_m
     far = np.linspace(0, FARTHEST, 400)
+    wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
+    shares = np.cumsum(wide_m * reach.density(wide_m))  # Of toys on an infinite floor, within each of these.
     x, y = Quantity("right", "To the right", "reaches"), Quantity("ahead", "Ahead", "reaches")
     dots = (Dots(around[:, 0], around[:, 1], "toys"),)
     distance, nearer = (
@@ -219,19 +220,12 @@ def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
     )
     lines = (
         Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
-        Line(far, _share_nearer(reach, far * reach.radius_m), "law, on an empty floor"),
+        Line(far, np.interp(far * reach.radius_m, wide_m, shares / shares[-1]), "law, on an empty floor"),
     )
     return [
         Plot(x, y, dots=dots, title="Positions of toys", ring=1.0, equal=True),
         Plot(distance, nearer, lines, title="Distances"),
     ]
-
-
-def _share_nearer(reach: ReachableFloor, distances_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return the fraction of toys on an infinite floor that lies within each of some evenly spaced distances."""
-    wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
-    nearer = np.cumsum(wide_m * reach.density(wide_m))
-    return np.interp(distances_m, wide_m, nearer / nearer[-1])
 
 
 def _numbers(rooms: Sequence[Inventory]) -> dict[str, object]:

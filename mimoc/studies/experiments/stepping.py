@@ -46,7 +46,11 @@ def run(notebook: Notebook) -> Path:
     names = ("age_months", "weight_kg", "water", "strength", "reflex")
     write_measures(notebook, "steps.csv", results, seeds, **{name: name for name in names})
     steps: Steps = {case: [result.values for result in same] for case, same in results.items()}
-    notebook.write_plots("stepping.png", [*_age_plots(steps, by_age), _load_plot(steps, loaded)])
+    means = [interval(_of(steps[case], RATE)) for case in loaded]
+    rates, band = [mean.mean for mean in means], band_of(loads_kg, means, "", "band")
+    line, dots = Line(loads_kg, rates, "", "median"), Dots(loads_kg, rates, "", "median")
+    load_plot = Plot(LOAD, RATE, (line,), (band,), (dots,), title=f"Steps by load at {LOADED_MONTHS:g} month")
+    notebook.write_plots("stepping.png", [*_age_plots(steps, by_age), load_plot])
     page = notebook.write_page(
         None,
         "scipy",
@@ -121,12 +125,3 @@ def _age_plots(steps: Steps, by_age: Mapping[float, Mapping[str, StepCase]]) -> 
             lines.append(Line(list(by_age), [mean.mean for mean in means], name))
             bands.append(band_of(list(by_age), means, name))
         yield Plot(AGE, measure, tuple(lines), tuple(bands), title=measure.label)
-
-
-def _load_plot(steps: Steps, loaded: Sequence[StepCase]) -> Plot:
-    means = [interval(_of(steps[case], RATE)) for case in loaded]
-    loads_kg = [case.weight_kg for case in loaded]
-    band = band_of(loads_kg, means, "", "band")
-    rates = [mean.mean for mean in means]
-    line, dots = Line(loads_kg, rates, "", "median"), Dots(loads_kg, rates, "", "median")
-    return Plot(LOAD, RATE, (line,), (band,), (dots,), title=f"Steps by load at {LOADED_MONTHS:g} month")

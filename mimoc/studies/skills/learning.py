@@ -27,7 +27,6 @@ CHILD = {
     "senses": {"proprioception": {"include": ["velocity"]}, "vestibular": {}},
 }
 
-
 REAL_AGES: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("ages.csv"))
 
 

@@ -29,7 +29,6 @@ ENGINES: Mapping[str, str] = {
     "ray": "mimoc.studies.cohorts.engines.ray",
 }
 
-
 Engine = Callable[[Sequence[Job], Store, Mapping[str, Any], Done], None]
 
 

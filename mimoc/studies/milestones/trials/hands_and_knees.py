@@ -49,7 +49,6 @@ def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
 HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still, SUPPORTS)
 ROCKING = Trial("rocking", "rocks on hands and knees for 10 s", _rocking, SUPPORTS)
 
-
 ARM_S, ARM_HELD_S = 6.0, 3.0
 LOWEST_DEG = -20.0  # How far the hand may be below the shoulder, as the elevation of the line from shoulder to hand.
 CLEARANCE_M = 0.2

@@ -63,7 +63,6 @@ PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° 
 HEAD_LAG = Trial("no_head_lag", "raised to sitting in 3 s, the head lags by less than 20°", _raised)
 SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° for 1 s", _supine)
 
-
 ROLLING_S, ROLLED_S = 5.0, 0.5
 ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
 GATHERING_S = 1.0  # How long the infant draws up its legs before it turns.

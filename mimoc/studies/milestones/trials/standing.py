@@ -54,7 +54,6 @@ VERTICAL = 2  # The degree of freedom in which the hip goes up and down.
 STANDING = Trial("stand", "stands alone for 10 s", _standing, FEET, "fitted")
 HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat, FEET)
 
-
 RISING_S, RISEN_S, HELD_S = 3.0, 5.0, 1.0
 """How long the trunk is led, when the trial ends, and how long the infant has to be up by then."""
 DEEP_KNEE_DEG = -100.0
@@ -101,7 +100,6 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
 
 
 PULL_TO_STAND = Trial("pull_to_stand", "rises from a squat to standing with its legs, balance given", _pulling_up, FEET)
-
 
 SITTING_S = 10.0
 SITTING_KNEES_DEG = (-60.0, -40.0, -20.0)  # Knees of the postures that are tried.

@@ -122,7 +122,6 @@ FOLD = MovementTrial(
     LEGS,
 )
 
-
 FRAMES_HZ = 30.0  # Rate of the recordings of real infants; taken, as it is not given.
 ENDS = {"hand": "hand", "foot": "toes"}
 """The bodies that begin at the points that are seen: the wrist for the hand, and the roots of the toes."""
@@ -174,7 +173,6 @@ SPEEDS = MovementTrial(
     (*POINTS, "left_upper_leg", "right_upper_leg", "left_upper_arm", "right_upper_arm"),
     held_out=True,
 )
-
 
 STRETCHED_S = 2.0  # How long the elbow is held stretched.
 WAITED_S = 2.0  # After which time the angle is read.

@@ -51,7 +51,6 @@ CAPTION = (
     "The outline is drawn from the solids that the simulation uses, seen from the front."
 )
 
-
 Place = Callable[[Points], Point]  # From a point of the model to where it is drawn.
 
 
