@@ -121,15 +121,8 @@ def _odds(children: Rows, scores: Mapping[str, Sequence[float]]) -> Iterator[Del
 def _odds_of(trial: str, group: str, late: int, early: int, late_others: int, early_others: int) -> DelayOdds:
     a, b, c, d = (number + 0.5 for number in (late, early, late_others, early_others))
     logarithm, width = math.log(a * d / (b * c)), NormalDist().inv_cdf(0.975) * math.sqrt(1 / a + 1 / b + 1 / c + 1 / d)
-    return DelayOdds(
-        trial,
-        group,
-        late + early,
-        late,
-        late_others + early_others,
-        late_others,
-        *(math.exp(logarithm + sign * width) for sign in (0, -1, 1)),
-    )
+    odds = (math.exp(logarithm + sign * width) for sign in (0, -1, 1))
+    return DelayOdds(trial, group, late + early, late, late_others + early_others, late_others, *odds)
 
 
 def _z(child: Mapping[str, Cell], key: str) -> float | None:

@@ -112,9 +112,8 @@ def _text(cell: Cell) -> str:
         return ""
     if isinstance(cell, bool):
         return str(cell).lower()
-    return (
-        f"{cell + 0.0:.{SIGNIFICANT_DIGITS}g}" if isinstance(cell, float) else str(cell)
-    )  # The sum turns -0.0 into 0.
+    # The sum turns -0.0 into 0.
+    return f"{cell + 0.0:.{SIGNIFICANT_DIGITS}g}" if isinstance(cell, float) else str(cell)
 
 
 def _array(cells: Sequence[Cell], pyarrow: Any) -> Any:

@@ -213,16 +213,13 @@ def _write_tables(notebook: Notebook, by_setup: Mapping[str, Sequence[Learner]],
         "setup,delay_ms,seed,ball,success,time_s,movement_units,log_dimensionless_jerk,spectral_arc_length,detour",
         ((setup, item.group, item.seed, *_reach_cells(reach)) for setup, item in every for reach in item.reaches),
     )
-    notebook.write_table(
-        "paths.csv",
-        "delay_ms,seed,ball,time_s,x_m,y_m,z_m",
-        (
-            (item.group, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place)
-            for item in first
-            for reach in item.reaches[:SHOWN]
-            for index, place in enumerate(movement_of(reach).path_m.tolist())
-        ),
+    rows = (
+        (item.group, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place)
+        for item in first
+        for reach in item.reaches[:SHOWN]
+        for index, place in enumerate(movement_of(reach).path_m.tolist())
     )
+    notebook.write_table("paths.csv", "delay_ms,seed,ball,time_s,x_m,y_m,z_m", rows)
 
 
 def _reach_cells(reach: Episode) -> tuple[Cell, ...]:

@@ -49,39 +49,32 @@ def run(notebook: Notebook) -> Path:
     groups = by_group(learners)
     with closing(InfantEnv(bundle)) as env:
         untrained = evaluate(env, "random", balls, seed=FIRST_BALL)
-    notebook.write_table(
-        "learning.csv",
-        "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return",
-        (
-            (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
-            for item in learners
-            for done, cells in item.learning()
-        ),
+    rows = (
+        (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
+        for item in learners
+        for done, cells in item.learning()
     )
-    notebook.write_table(
-        "checks.csv",
-        "schedule,seed,steps,ball,success,time_s,episode_return",
-        (
-            (item.group, item.seed, done, *_outcome(reach))
-            for item in learners
-            for done, reaches in item.checks.items()
-            for reach in reaches
-        ),
+    heading = "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return"
+    notebook.write_table("learning.csv", heading, rows)
+    rows = (
+        (item.group, item.seed, done, *_outcome(reach))
+        for item in learners
+        for done, reaches in item.checks.items()
+        for reach in reaches
     )
+    notebook.write_table("checks.csv", "schedule,seed,steps,ball,success,time_s,episode_return", rows)
     notebook.write_table(
         "reaches.csv",
         "schedule,seed,ball,success,time_s,episode_return",
         ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
     )
     finals = (Learner.success_rate, *MEASURES.values())
-    notebook.write_table(
-        "final.csv",
-        "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return",
-        (
-            (it.group, it.seed, len(it.reaches), *(measure(it) for measure in finals), it.episode_return())
-            for it in learners
-        ),
+    rows = (
+        (it.group, it.seed, len(it.reaches), *(measure(it) for measure in finals), it.episode_return())
+        for it in learners
     )
+    heading = "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return"
+    notebook.write_table("final.csv", heading, rows)
     notebook.write_plots("growing.png", list(_plots(groups, untrained, steps)))
     return notebook.write_page(
         None,

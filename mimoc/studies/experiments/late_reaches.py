@@ -100,15 +100,12 @@ def reach_with_variants(
 
 def write_ataxia(notebook: Notebook, reaches: Reaches) -> None:
     """Write `ataxia.csv` and `ataxia.png`."""
-    notebook.write_table(
-        "ataxia.csv",
-        ",".join(("variant", "delay_ms", "reach", "arrived", *ATAXIC)),
-        (
-            (variant.name, delay_ms, index, float(reach.arrived), *(MEASURES[name](reach) for name in ATAXIC))
-            for (variant, delay_ms), same in reaches.items()
-            for index, reach in enumerate(same)
-        ),
+    rows = (
+        (variant.name, delay_ms, index, float(reach.arrived), *(MEASURES[name](reach) for name in ATAXIC))
+        for (variant, delay_ms), same in reaches.items()
+        for index, reach in enumerate(same)
     )
+    notebook.write_table("ataxia.csv", ",".join(("variant", "delay_ms", "reach", "arrived", *ATAXIC)), rows)
     names = [name for name in PLOTTED if any(variant.name == name for variant, _ in reaches)]
     notebook.write_plots("ataxia.png", [_plot(reaches, name) for name in names])
 
@@ -225,15 +222,13 @@ def reach_at_ages(months: Sequence[float], count: int, most_s: float, counted: C
 
 def write_reaches(notebook: Notebook, groups: Sequence[Group]) -> None:
     """Write `infants.csv` and `infants.png`."""
-    notebook.write_table(
-        "infants.csv",
-        ",".join(("age_months", "delay", "reach", "arrived", "distance_m", *MEASURES)),
-        (
-            (group.age_months, group.delay, index, *_reach_cells(reach))
-            for group in groups
-            for index, reach in enumerate(group.reaches)
-        ),
+    rows = (
+        (group.age_months, group.delay, index, *_reach_cells(reach))
+        for group in groups
+        for index, reach in enumerate(group.reaches)
     )
+    heading = ",".join(("age_months", "delay", "reach", "arrived", "distance_m", *MEASURES))
+    notebook.write_table("infants.csv", heading, rows)
     onset, speed = Quantity("time_s", "Time since onset", "s"), Quantity("speed_m_s", "Speed of the hand", "m/s")
     units, ratio = Quantity("movement_units", "Movement units"), Quantity("path_ratio", "Path length / distance")
     plots = [
@@ -277,7 +272,7 @@ def infants_text(groups: Sequence[Group], most_s: float) -> str:
     of_age = by_delay(groups)[OWN]
     ages = [group.age_months for group in of_age]
     *younger, oldest = (f"{age:g}" for age in ages)
-    hands = GAIN_SETS[GAINS].hands
+    hands, measures = GAIN_SETS[GAINS].hands, MEASURES.values()
     return page_text(
         "infant_reaches",
         count=len(groups[0].reaches),
@@ -296,12 +291,7 @@ def infants_text(groups: Sequence[Group], most_s: float) -> str:
         youngest=ages[0],
         oldest=ages[-1],
         table=table_rows(
-            (
-                f"{it.age_months:g}",
-                it.delay,
-                f"{it.arrived:.0%}",
-                *(f"{it.median(one):.3g}" for one in MEASURES.values()),
-            )
+            (f"{it.age_months:g}", it.delay, f"{it.arrived:.0%}", *(f"{it.median(one):.3g}" for one in measures))
             for it in groups
         ),
         smoothness="\n".join(_smoothness(name, groups) for name in SMOOTHER),

@@ -62,15 +62,12 @@ def run(notebook: Notebook) -> Path:
     mature = [count(acuity(age, eyes_of(age, MATURING))) for age in ages]
     usual = [count(acuity(age, Eyes(age, NEAR_M, 64, 60.0), USUAL_CPD)) for age in ages]
     contrasts = {age: count(list(contrast_thresholds(age))) for age in ages}
-    notebook.write_table(
-        "acuity.csv",
-        "age_months,eyes,entered_cpd,measured_cpd",
-        (
-            (item.age_months, name, item.entered, item.measured)
-            for name, items in ((PLAIN, plain), (MATURE_KEYS, mature), (USUAL, usual))
-            for item in items
-        ),
+    rows = (
+        (item.age_months, name, item.entered, item.measured)
+        for name, items in ((PLAIN, plain), (MATURE_KEYS, mature), (USUAL, usual))
+        for item in items
     )
+    notebook.write_table("acuity.csv", "age_months,eyes,entered_cpd,measured_cpd", rows)
     notebook.write_table(
         "contrast.csv",
         "age_months,frequency_cpd,entered,measured",

@@ -81,14 +81,8 @@ class AlternateSteps:
 
 def stepping(case: StepCase, seed: int) -> Result:
     """Hold an infant upright, let it step for a while, and measure its steps."""
-    setup = Setup(
-        case.age_months,
-        held=True,
-        left_kg=case.weight_kg,
-        right_kg=case.weight_kg,
-        strength=case.strength,
-        feels=case.reflex,
-    )
+    weight_kg = case.weight_kg
+    setup = Setup(case.age_months, True, weight_kg, weight_kg, strength=case.strength, feels=case.reflex)
     with closing(open_infant(setup)) as env:
         forces = Water(env.model) if case.water else None
         mover = Mover(env, seed, partial(policy_of, policy="reflexes") if case.reflex else AlternateSteps, forces)
