@@ -67,15 +67,11 @@ def _measured(report: GrowthReport) -> Iterator[tuple[str, float | str]]:
         yield f"{NAMES[indicator]}: within one SD of WHO's mean of boys and girls at all ages", where
 
 
-def _published_worst(indicator: str) -> str:
-    """Return the largest z of MIMo v2's body among boys or girls, if it is known."""
-    z = [item.paper for item in figures_of("growth") if item.quantity.startswith(f"{NAMES[indicator]} at ")]
-    return max((item for item in z if item[0] in "+-"), key=lambda item: abs(float(item)), default="not known")
-
-
 def _worst(report: GrowthReport) -> Iterator[tuple[str, ...]]:
     for indicator, worst in report.worst.items():
         measured = [row for row in report.rows if row.indicator == indicator]
         sexes = (max((row.z[sex] for row in measured), key=abs) for sex in ("male", "female"))
-        z = (f"{z:+.2f}" for z in sexes)
-        yield NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *z, _published_worst(indicator)
+        ours = (f"{z:+.2f}" for z in sexes)
+        known = [item.paper for item in figures_of("growth") if item.quantity.startswith(f"{NAMES[indicator]} at ")]
+        of_mimo = max((z for z in known if z[0] in "+-"), key=lambda z: abs(float(z)), default="not known")
+        yield NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *ours, of_mimo

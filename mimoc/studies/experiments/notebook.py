@@ -158,16 +158,12 @@ class Notebook:
         numbers["reproduction"] = f"    {command}\n\nWith {versions} and {machine}. Bodies: `{self.bodies}`."
         if self.development:
             numbers["law"] = LAWS[self.development]
-            numbers["beside"] = self._beside(measured or {}, numbers)
+            numbers["beside"] = OTHER_BODY.format(name=self.name)
+        if self.development == "published":
+            rows, differs = figure_rows(self.name, measured or {}), page_text(f"{self.name}_published", **numbers)
+            numbers["beside"] = page_text("figures", rows=table_rows(rows), differs=differs)
         page = "\n\n".join(map(_wrapped, page_text(self.name, **numbers).split("\n\n"))) + "\n"
         return write_file(self.folder / f"{self.name}.md", page.encode())
-
-    def _beside(self, measured: Measured, numbers: Mapping[str, object]) -> str:
-        """Return the paper's figures beside those measured and what differs; of another body, how to see them."""
-        if self.development != "published":
-            return OTHER_BODY.format(name=self.name)
-        differs = page_text(f"{self.name}_published", **numbers)
-        return page_text("figures", rows=table_rows(figure_rows(self.name, measured)), differs=differs)
 
 
 def open_notebook(
