@@ -68,6 +68,7 @@ class Form:
         one_side = np.eye(len(self.joints))[[place for place, joint in enumerate(self.joints) if "left_" not in joint]]
         other_side = mirrored(self.joints, one_side)
         alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
+        # Postures in which both sides do the same, and in which they do the opposite, shape (b, n) each.
         self._alike, self._opposite = alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]
         self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
         self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()

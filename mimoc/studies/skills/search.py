@@ -109,7 +109,7 @@ def search(
     mean, spread, kept, curve = np.zeros(len(scale)), scale.copy(), list[Candidate](), list[float]()
     rounds = max(1, int(tries * (1 - CHECKED)) // DRAWS)
     while len(curve) < rounds and not any(
-        (len(candidate.successes) >= CHECKS and candidate.success >= PASSED) for candidate in kept
+        len(candidate.successes) >= CHECKS and candidate.success >= PASSED for candidate in kept
     ):
         lucky, again = (kept, []) if len(curve) < EXPLORED * rounds else ([], kept)
         draws = mean + spread * random.standard_normal((DRAWS - len(again), len(mean)))

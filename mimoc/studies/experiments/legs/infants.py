@@ -58,7 +58,7 @@ def open_infant(setup: Setup) -> InfantEnv:
     prepare(model)
     if setup.held:
         free = [f"robot:{side}_{joint}" for side in SIDES for joint in ("hip1", "knee", "foot1", "toes")]
-        held = np.ones(model.nv, bool)
+        held = np.ones(model.nv, bool)  # All but the legs, which move forwards and backwards only.
         held[[int(model.joint(name).dofadr[0]) for name in free]] = False
         model.dof_armature[held] = HELD_ARMATURE
     return InfantEnv(Variant(bundle, model))

@@ -77,7 +77,7 @@ def awake(infant: TrialInfant) -> Iterator[mujoco.MjData]:
     data, drive, step_s = settled(infant, SETTLING_AWAKE_S), Drive(infant), infant.model.opt.timestep
     names = infant.joint_names
     steady = np.array(
-        [(HIP_DRIVE if name.endswith("_hip1") else KNEE_DRIVE if name.endswith("_knee") else 0.0) for name in names]
+        [HIP_DRIVE if name.endswith("_hip1") else KNEE_DRIVE if name.endswith("_knee") else 0.0 for name in names]
     )
     random, noise = np.random.default_rng(SEED), np.zeros(len(names))
     for _ in range(round(AWAKE_S / step_s)):
