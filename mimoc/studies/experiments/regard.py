@@ -143,6 +143,7 @@ def run(notebook: Notebook) -> Path:
     write_measures(notebook, "regard.csv", by_case, seeds, condition="condition", age_months="age_months")
     notebook.write_plots("regard.png", list(_plots(by_case, months)))
     notebook.write_picture("views.png", _views(months))
+    mobiles, hands = zip(*_rows(by_case), strict=True)
     page = notebook.write_page(
         None,
         "scipy",
@@ -153,8 +154,8 @@ def run(notebook: Notebook) -> Path:
         fovy=VISION["fovy_deg"],
         on_deg=ON_DEG,
         near_deg=NEAR_DEG,
-        mobiles=table_rows(_mobile_rows(by_case)),
-        hands=table_rows(_hand_rows(by_case)),
+        mobiles=table_rows(mobiles),
+        hands=table_rows(hands),
         answer=_answer(by_case),
     )
     forget_trials(notebook)
@@ -297,24 +298,16 @@ def _plots(by_case: Mapping[Case, Sequence[Result]], months: Sequence[float]) ->
     yield Plot(AGE, SHARE, lines, bands, (published,), title="A hand of its own is before the eyes")
 
 
-def _mobile_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
+def _rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """Yield a row on the mobile and a row on hands of each case."""
+    names = ("mobile_noticed", "gaze_on", "gaze_deg", "hand_noticed", "hand_regarded", "hand_near")
     for case, results in by_case.items():
-        onsets_s = _of(results, "onset_s")
-        shares = [interval(_of(results, name)).text(0) for name in ("mobile_noticed", "gaze_on", "gaze_deg")]
-        contrasts = [_rounded(_of(results, f"contrast_{name}")) for name in ("drawn", "observed")]
-        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results)}" if onsets_s else "never"
-        yield [f"{case.age_months:g}", LABELS[case.condition], *shares, onset, *contrasts]
-
-
-def _rounded(values: Sequence[float]) -> str:
-    return f"{np.mean(values):.0f}" if values else "never"
-
-
-def _hand_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
-    for case, results in by_case.items():
-        names = ("hand_noticed", "hand_regarded", "hand_near")
+        what, onsets_s = (f"{case.age_months:g}", LABELS[case.condition]), _of(results, "onset_s")
         shares = [interval(_of(results, name)).text(0) for name in names]
-        yield [f"{case.age_months:g}", LABELS[case.condition], *shares, _rounded(_of(results, "hand_cm"))]
+        values = (_of(results, name) for name in ("contrast_drawn", "contrast_observed", "hand_cm"))
+        *contrasts, hand = (f"{np.mean(some):.0f}" if some else "never" for some in values)
+        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results)}" if onsets_s else "never"
+        yield (*what, *shares[:3], onset, *contrasts), (*what, *shares[3:], hand)
 
 
 def _answer(by_case: Mapping[Case, Sequence[Result]]) -> str:
