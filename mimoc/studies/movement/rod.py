@@ -64,7 +64,11 @@ def hand_of(infant: TrialInfant) -> Hand:
     """Return the left hand of an infant, its fingers bent as far as they are when the rod is put in."""
     model = infant.model
     knuckle = next(name for name in KNUCKLES if has_joint(infant, name))
-    closing_rad = {name: _closed_rad(infant, name) for name in _closing(infant)}
+    hand, closing_rad = in_subtrees(model, [model.body(HAND).id]), dict[str, float]()
+    for joint, name in zip(infant.joints, infant.joint_names, strict=True):
+        if hand[model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):
+            low, high = model.joint(f"robot:{name}").range
+            closing_rad[name] = float(low if -low > high else high)
     straight = infant.placed(0.0, {}, ABOVE_M)
     hinge = model.joint(f"robot:{knuckle}").id
     palm = np.flatnonzero(model.geom_bodyid == model.body(HAND).id)
@@ -130,18 +134,6 @@ def _places(hand: Hand) -> Iterator[FloatArray]:
             offset = along * hand.to_wrist + out * hand.out_of_palm
             if offset @ hand.to_fingers > 0:
                 yield hand.knuckle_m + hand.length_m * offset
-
-
-def _closing(infant: TrialInfant) -> Iterator[str]:
-    hand = in_subtrees(infant.model, [infant.model.body(HAND).id])
-    for joint, name in zip(infant.joints, infant.joint_names, strict=True):
-        if hand[infant.model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):
-            yield name
-
-
-def _closed_rad(infant: TrialInfant, joint: str) -> float:
-    low, high = infant.model.joint(f"robot:{joint}").range
-    return float(low if -low > high else high)
 
 
 def _unit(vector: FloatArray) -> FloatArray:

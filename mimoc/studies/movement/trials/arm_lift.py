@@ -54,7 +54,9 @@ def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
         heights.append(data.xpos[hand, 2] - data.xpos[shoulder, 2])
     second = round(HELD_S / step_s)
     held_m = max(min(heights[start : start + second]) for start in range(0, len(heights) - second, EVERY))
-    return float(held_m / _arm_m(infant, resting))
+    bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
+    points = [resting.body(name).xpos for name in bodies]
+    return float(held_m / float(sum(np.linalg.norm(end - start) for start, end in pairwise(points))))
 
 
 def _pull_n(infant: TrialInfant, resting: mujoco.MjData) -> FloatArray:
@@ -75,12 +77,6 @@ def _torques(infant: TrialInfant, data: mujoco.MjData, pull_n: FloatArray) -> Fl
 def _knuckles(infant: TrialInfant) -> str:
     """Return the body that begins at the knuckles, in hands of any kind."""
     return next(name for name in ("left_fingers", "left_mfknuckle", "left_hand") if infant.has(name))
-
-
-def _arm_m(infant: TrialInfant, data: mujoco.MjData) -> float:
-    bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
-    points = [data.body(name).xpos for name in bodies]
-    return float(sum(np.linalg.norm(end - start) for start, end in pairwise(points)))
 
 
 def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> FloatArray:

@@ -37,17 +37,14 @@ def introduce(bundle: Bundle) -> tuple[tuple[str, ...], tuple[Picture, ...]]:
     """Return what an infant is, where it is and what it is to do, and its picture; none where there is no OpenGL."""
     sentences = tuple(_sentences(bundle))
     try:
-        return sentences, (_picture(bundle),)
+        pixels = portrait(bundle, width=WIDTH_PX, height=HEIGHT_PX)
     except RenderingError:
         return (*sentences, "There is no portrait, because there is no OpenGL on the machine that made this page."), ()
-
-
-def _picture(bundle: Bundle) -> Picture:
-    pixels = portrait(bundle, width=WIDTH_PX, height=HEIGHT_PX)
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, "WEBP", quality=QUALITY, method=6)
     data = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
-    return Picture(data, f"{bundle.manifest.name}, {bundle.manifest.pose}", str(WIDTH_PX // 2), str(HEIGHT_PX // 2))
+    about, width, height = f"{bundle.manifest.name}, {bundle.manifest.pose}", WIDTH_PX // 2, HEIGHT_PX // 2
+    return sentences, (Picture(data, about, str(width), str(height)),)
 
 
 def _sentences(bundle: Bundle) -> Iterator[str]:
