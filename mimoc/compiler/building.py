@@ -15,21 +15,20 @@ from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
 from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
-from mimoc.bundle.arrays import ARRAYS, LazyArrays, pack_arrays
+from mimoc.bundle.arrays import ARRAYS, Array, LazyArrays, pack_arrays
 from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
-from mimoc.compiler.actuation.setup import ActuationSetup, build_actuation
-from mimoc.compiler.actuation.voice import trace_voice
+from mimoc.compiler.actuation.setup import ActuationSetup, build_actuation, trace_voice
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
 from mimoc.compiler.delays.presets import trace_delays
-from mimoc.compiler.faces import face_arrays
 from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.mimo import find_target
 from mimoc.compiler.mjcf.scene import Placed, SceneTree
+from mimoc.compiler.mjcf.skin import Skin
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.noise_presets import trace_noise
 from mimoc.compiler.notes import notes, notes_on_shapes
@@ -287,3 +286,15 @@ def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:
     """Return a spec whose scene has another seed."""
     return spec if seed == spec.scene.seed else spec.with_(scene={"seed": seed})
+
+
+def face_arrays(skin: Skin | None) -> dict[str, Array]:
+    """Return the arrays of a face by name: what any expression moves, and how far each moves it, in steps."""
+    if skin is None or not skin.moves:
+        return {}
+    is_moved = np.any([steps.any(axis=1) for steps in skin.moves.values()], axis=0)
+    arrays = {MOVING: np.flatnonzero(is_moved).astype(np.uint16)}
+    arrays |= {array_of(name): steps[is_moved] for name, steps in skin.moves.items()}
+    for array in arrays.values():
+        array.flags.writeable = False
+    return arrays

@@ -20,7 +20,7 @@ from mimoc.bundle.manifest import (
     ToyEntry,
     WeldEntry,
 )
-from mimoc.compiler.actuation.voice import voice_of
+from mimoc.compiler.actuation.setup import voice_of
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.delays.presets import delays
 from mimoc.compiler.looks.appearance import face_material

@@ -15,7 +15,7 @@ from mimoc.body.origins import Entry
 from mimoc.compiler.building import Builder
 from mimoc.compiler.constraints import holds, lock, locked_joints, weld
 from mimoc.compiler.mjcf.furniture import Furniture, WorldGeom
-from mimoc.compiler.mjcf.prefixing import prefixed, prefixed_scene
+from mimoc.compiler.mjcf.printing import prefixed, prefixed_scene
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import FreeObject, Lock, Weld
 from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose

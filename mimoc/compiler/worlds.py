@@ -42,7 +42,7 @@ from mimoc.compiler.placing import (
     surroundings,
     toys_around,
 )
-from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
+from mimoc.compiler.provenance import SPEC_FILE, trace_around, trace_infant, trace_spec, trace_world
 from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.compiler.scenes.footprint import footprint
 from mimoc.compiler.toys.objects import trace_toys
@@ -58,7 +58,6 @@ from mimoc.compiler.world_places import (
     trace_places,
     within,
 )
-from mimoc.compiler.world_provenance import trace_around, trace_infant
 from mimoc.fits import load_tables
 from mimoc.schema import source as sources
 from mimoc.schema.components.scenes import SCENES

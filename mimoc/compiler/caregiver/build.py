@@ -14,11 +14,18 @@ from mimoc.body.head_surface import on_head
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.caregiver.figure import figure
-from mimoc.compiler.caregiver.looks import NAME, face_material, faces, materials
+from mimoc.compiler.caregiver.figure import NAME, face_material, faces, figure, materials
 from mimoc.compiler.mjcf.world import Grip, ObjectBody, ObjectGeom, Persona
-from mimoc.schema.caregiver import ActEntry, AnswersEntry, AnswersSpec, ArmEntry, CaregiverEntry, CaregiverSpec
-from mimoc.schema.caregiver_acts import ACTS, ActSpec
+from mimoc.schema.caregiver import (
+    ACTS,
+    ActEntry,
+    ActSpec,
+    AnswersEntry,
+    AnswersSpec,
+    ArmEntry,
+    CaregiverEntry,
+    CaregiverSpec,
+)
 from mimoc.schema.expressions import ADULT_EXPRESSIONS
 
 HEAD = "head"

@@ -158,3 +158,8 @@ class Surroundings:
         part = self.part(name)
         extents = np.array([part.extents.along(part.rotations[:, axis]) for axis in range(3)]).T
         return (part.centres - extents).min(axis=0), (part.centres + extents).max(axis=0)
+
+
+def object_name(name: str) -> str:
+    """Return the name of an object's outermost body, with which the names of all else of it begin."""
+    return f"object_{name}"

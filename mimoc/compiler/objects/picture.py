@@ -12,7 +12,7 @@ from mimoc.compiler.looks.user_textures import read_picture_file
 from mimoc.compiler.mjcf.furniture import BARE, UNTINTED, Furniture, Rgba, WorldMaterial, WorldTexture
 from mimoc.compiler.mjcf.world import ObjectGeom
 from mimoc.compiler.objects.boards import piece, seen
-from mimoc.schema.object_pictures import MOST_CYCLES, GratingSpec, PicturedSpec
+from mimoc.schema.object_furniture import MOST_CYCLES, GratingSpec, PicturedSpec
 
 TO_INFANT = quaternion_from_matrix(matrix_from_euler((90.0, -90.0, 0.0)))
 """Of a plane whose front looks along -x, its top up."""

@@ -4,14 +4,22 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from mimoc.base.errors import ObjectError
-from mimoc.base.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis, quaternion_product
+from mimoc.base.geometry.rotations import (
+    Vec3,
+    matrix_from_axis,
+    matrix_from_quaternion,
+    quaternion_from_axis,
+    quaternion_product,
+)
 from mimoc.base.kinds import function_of
 from mimoc.body.origins import Entry
-from mimoc.compiler.mjcf.world import ObjectBody, PlacedObject
-from mimoc.compiler.objects.built_object import BuiltObject, PlacedThing, Surroundings
+from mimoc.compiler.mjcf.sensor_sites import PREFIX, keypoint_sites
+from mimoc.compiler.mjcf.world import ObjectBody, PlacedObject, Ribbon
+from mimoc.compiler.objects.built_object import BuiltObject, PlacedThing, Surroundings, Tie
 from mimoc.compiler.objects.places import WHOLE, Spot, find_place
-from mimoc.compiler.objects.ribbon import tie_ribbon
 from mimoc.schema.components.objects import OBJECTS
 from mimoc.schema.object_base import ObjectEntry, ObjectSpec
 
@@ -92,3 +100,26 @@ def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
     place: Entry = {"value": thing.elements.root.pos_m, "unit": "m", "rule": rule}
     entries = [(f"{key}.pos", {**place, "from": source, "xml": f"{at}/@pos"})]
     return [*entries, *((f"{key}.{end}", entry) for end, entry in thing.built.origins.items())]
+
+
+KEYPOINTS = {"foot": "Ankle", "hand": "Wrist"}
+"""Where a ribbon is tied, by what the name of the limb ends with."""
+
+
+def tie_ribbon(tie: Tie, root: ObjectBody, around: Surroundings) -> Ribbon:
+    """Return the ribbon of an object whose outermost body is in the world.
+
+    Raises:
+        ObjectError: If the infant has no such limb.
+    """
+    side, _, limb = tie.limb.partition("_")
+    name = f"{PREFIX}{side[0].upper()}{KEYPOINTS[limb]}"
+    places = {site.name: (body, site) for body, sites in keypoint_sites(around.tree).items() for site in sites}
+    if name not in places:
+        raise ObjectError("tied_to", f"this infant has no {tie.limb}; tie it to another limb, or leave this out")
+    body, site = places[name]
+    origin, turn = around.frames[body]
+    (start,) = (mine for mine in root.sites if mine.name == tie.site)
+    start_m = matrix_from_quaternion(root.quat) @ start.pos_m + root.pos_m
+    way_m = float(np.linalg.norm(origin + turn @ site.pos_m - start_m))
+    return Ribbon(f"{root.name}_ribbon", (tie.site, around.prefix + name), (0.0, way_m + tie.slack_m), tie.rgba)

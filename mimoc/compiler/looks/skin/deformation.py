@@ -14,8 +14,7 @@ from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.looks.skin.garments import OUTFITS, Piece, dressed
-from mimoc.compiler.looks.skin.hair import hair_over
-from mimoc.compiler.looks.skin.head import deform_head
+from mimoc.compiler.looks.skin.head import deform_head, hair_over
 from mimoc.compiler.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
 from mimoc.compiler.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
 from mimoc.compiler.mjcf.skin import Skin, SkinLayer

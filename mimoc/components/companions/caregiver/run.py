@@ -16,8 +16,7 @@ from mimoc.components.companions.caregiver.run_infant import Infant, Onsets
 from mimoc.runtime.companion import Companion
 from mimoc.runtime.sound import SILENT_AFTER_MS, Sound, SoundSources, step_of
 from mimoc.runtime.voice import Voice
-from mimoc.schema.caregiver import CaregiverEntry
-from mimoc.schema.caregiver_acts import ACTS
+from mimoc.schema.caregiver import ACTS, CaregiverEntry
 
 NAME = "caregiver"
 SMILE_MS, VOICE_MS = 1500.0, 400.0

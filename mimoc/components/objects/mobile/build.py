@@ -29,13 +29,12 @@ from mimoc.body.origins import Entry
 from mimoc.compiler.mjcf.elements import Site
 from mimoc.compiler.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.compiler.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, Tie
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, Tie, object_name
 from mimoc.compiler.objects.pieces import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
 from mimoc.compiler.toys.choosing import DARK, LIGHT, Toy
 from mimoc.compiler.toys.objects import centre_of_mass, materials_of, pieces_of
 from mimoc.compiler.toys.shape import Tint
-from mimoc.components.objects.mobile.spec import MobileSpec
+from mimoc.components.objects.mobile import MobileSpec
 from mimoc.components.toys.builtin import load_toy
 
 HUB_M, HUB_KG = 0.018, 0.05

@@ -12,8 +12,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.hearing import HearingEntry
 from mimoc.components.senses.hearing.cochlea import REFERENCE_PA, Bands, band_centres_hz, thresholds_at
-from mimoc.components.senses.hearing.listener import Listener
-from mimoc.components.senses.hearing.playback import checked_playback
+from mimoc.components.senses.hearing.listener import Listener, checked_playback
 from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
 from mimoc.runtime.sound import SoundSources
 from mimoc.runtime.voice import Voice
