@@ -159,7 +159,6 @@ def _geom(geom: Geom, group: int) -> PrintedGeom:
 
 
 def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
-    """Return the visual geoms of the head: nose and ears."""
     if body.name != "head":
         return ()
     head = next(geom for geom in body.geoms if geom.name == body.name)

@@ -135,7 +135,6 @@ class Builder:
         return find_target(self.target).origins(tree, entries)
 
     def __repr__(self) -> str:
-        """Return name and age of its infant."""
         return f"Builder({self.spec.name!r}, {self.spec.age_months:g} months)"
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -284,7 +283,6 @@ def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]
 
 
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:
-    """Return a spec whose scene has another seed."""
     return spec if seed == spec.scene.seed else spec.with_(scene={"seed": seed})
 
 

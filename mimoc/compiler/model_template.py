@@ -188,7 +188,14 @@ class ModelInstance:
     def set_textures(self, model: mujoco.MjModel) -> None:
         """Write the skin of the scene into one of these models."""
         if self.skin:
-            _set_textures(model, self.skin)
+            for layer in self.skin.layers:
+                index = model.skin(layer.name).id
+                first, bone = model.skin_vertadr[index], model.skin_boneadr[index]
+                model.skin_vert[first : first + len(layer.verts_m)] = single(layer.verts_m)
+                place = model.skin_texcoordadr[index]
+                model.skin_texcoord[place : place + len(layer.texcoords)] = texture_places(layer)
+                model.skin_bonebindpos[bone : bone + len(layer.bones)] = single(layer.origins_m)
+                model.skin_bonebindquat[bone : bone + len(layer.bones)] = single(layer.quats)
 
 
 class ModelTemplate:
@@ -244,18 +251,6 @@ def without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
 def model_without_pictures(files: Mapping[str, bytes]) -> mujoco.MjModel:
     """Return the model of a scene without textures and skins, in which contacts are as in the whole one."""
     return without_textures(files).compile()
-
-
-def _set_textures(model: mujoco.MjModel, skin: Skin) -> None:
-    """Write a skin into the model of an infant that has the same one at another age."""
-    for layer in skin.layers:
-        index = model.skin(layer.name).id
-        first, bone = model.skin_vertadr[index], model.skin_boneadr[index]
-        model.skin_vert[first : first + len(layer.verts_m)] = single(layer.verts_m)
-        place = model.skin_texcoordadr[index]
-        model.skin_texcoord[place : place + len(layer.texcoords)] = texture_places(layer)
-        model.skin_bonebindpos[bone : bone + len(layer.bones)] = single(layer.origins_m)
-        model.skin_bonebindquat[bone : bone + len(layer.bones)] = single(layer.quats)
 
 
 def _same_arrays(model: mujoco.MjModel, without_textures: mujoco.MjModel) -> list[str]:

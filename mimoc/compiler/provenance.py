@@ -58,7 +58,6 @@ def trace_task(entry: TaskEntry) -> dict[str, Entry]:
 
 
 def _is_number(value: Any) -> bool:
-    """Return whether a value is a number or some numbers."""
     values = value if isinstance(value, tuple) else (value,)
     return bool(values) and all(isinstance(number, int | float) for number in values)
 

@@ -46,11 +46,12 @@ from mimoc.compiler.provenance import SPEC_FILE, trace_around, trace_infant, tra
 from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.compiler.scenes.footprint import footprint
 from mimoc.compiler.toys.objects import trace_toys
-from mimoc.compiler.world_caregiver import WorldCaregiver, caregivers
 from mimoc.compiler.world_places import (
     InfantPart,
     Poses,
     Settings,
+    WorldCaregiver,
+    caregivers,
     entries_of,
     part_of,
     places_of,
@@ -374,12 +375,19 @@ def _world(
 def _texts(built: BuiltWorld) -> dict[str, bytes]:
     """Return all files but MJCF and what it refers to."""
     plan, manifest, manifests = built.plan, built.manifest, built.manifests
+    infants = list(manifests.values())
+    # The file of a world with all that it leaves open, which names the files of the infants in the bundle.
+    data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
+    data["infants"] = [
+        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
+    ]
+    data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
     files = {
         SPEC_FILE: plan.written.text.encode(),
-        RESOLVED: dump(_resolved(built)).encode(),
+        RESOLVED: dump(data).encode(),
         PROVENANCE: render_json(packed(dict(_provenance(built))), 2),
         MANIFEST: render_json(manifest.model_dump()),
-        "README.md": _readme(manifest, manifests),
+        "README.md": printing.render_text("WORLD.md.j2", world=manifest, manifests=infants, version=__version__),
     }
     for name, one in built.builders.items():
         arrays = {ARRAYS: pack_arrays(one.arrays)} if one.arrays else {}
@@ -391,21 +399,6 @@ def _texts(built: BuiltWorld) -> dict[str, bytes]:
         }
         files |= {file_of(name, file): content for file, content in of_infant.items()}
     return files
-
-
-def _readme(manifest: WorldManifest, manifests: Mapping[str, Manifest]) -> bytes:
-    infants = list(manifests.values())
-    return printing.render_text("WORLD.md.j2", world=manifest, manifests=infants, version=__version__)
-
-
-def _resolved(built: BuiltWorld) -> dict[str, Any]:
-    """Return the file of a world with all that it leaves open, which names the files of the infants in the bundle."""
-    data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
-    data["infants"] = [
-        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
-    ]
-    data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
-    return data
 
 
 def _notes(built: BuiltWorld) -> Iterator[str]:

@@ -66,7 +66,6 @@ def _with_quick_eyes(setup: ActuationSetup, tree: BodyTree) -> ActuationSetup:
 
 
 def _with_reflexes(setup: ActuationSetup, tree: BodyTree) -> ActuationSetup:
-    """Return the actuators of an infant with its stretch reflexes."""
     if not tree.reflexes:
         return setup
     origins = {

@@ -129,6 +129,8 @@ def _act(act: ActSpec, tree: BodyTree) -> ActEntry:
 
 
 def _answers(spec: AnswersSpec, tree: BodyTree) -> AnswersEntry:
+    placed = frames(tree, {})
+    ends = [_middle(placed, tree, limb) for limb in ("upper_arm", "upper_leg")]
     return AnswersEntry(
         to=spec.to,
         by=spec.by,
@@ -136,15 +138,8 @@ def _answers(spec: AnswersSpec, tree: BodyTree) -> AnswersEntry:
         delay_ms=spec.delay_ms,
         pause_ms=spec.pause_ms,
         yoked_ms=tuple(1000 * at_s for at_s in spec.yoked_s),
-        kick_m=KICK_TRUNK * _trunk_m(tree),
+        kick_m=KICK_TRUNK * float(np.linalg.norm(ends[0] - ends[1])),
     )
-
-
-def _trunk_m(tree: BodyTree) -> float:
-    """Return the distance between the middles of hips and shoulders, no joint turned."""
-    placed = frames(tree, {})
-    ends = [_middle(placed, tree, limb) for limb in ("upper_arm", "upper_leg")]
-    return float(np.linalg.norm(ends[0] - ends[1]))
 
 
 def _middle(placed: Mapping[str, Frame], tree: BodyTree, limb: str) -> FloatArray:
@@ -155,7 +150,6 @@ def _middle(placed: Mapping[str, Frame], tree: BodyTree, limb: str) -> FloatArra
 
 
 def _origins(spec: CaregiverSpec, entry: CaregiverEntry) -> dict[str, Entry]:
-    """Return an entry for each number that is derived."""
     key = "caregiver"
     scale = "its stature, by 163 cm: lengths of head and arms are about those of the mean woman (ANSUR, Gordon et al. "
     face = "a point between the infant's eyes, in half axes of its head (.94, 0, -.09)"

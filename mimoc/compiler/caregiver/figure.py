@@ -74,7 +74,6 @@ def _head() -> tuple[ObjectGeom, ...]:
 
 
 def _neck() -> tuple[ObjectGeom, ...]:
-    """Return the neck, along z from its base to the head."""
     return (_geom("neck", "capsule", (0.052, math.hypot(*NECK_M) / 2), material("skin"), (0.0, 0.0, 0.07)),)
 
 

@@ -191,7 +191,6 @@ def with_palette(png: bytes, colours: npt.NDArray[np.uint8]) -> bytes:
 
 
 def _chunks(png: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Yield the kind and the content of each chunk of a PNG."""
     start = SIGNATURE_BYTES
     while start < len(png):
         length = int.from_bytes(png[start : start + 4], "big")

@@ -8,7 +8,6 @@ import numpy as np
 
 from mimoc.base.errors import ObjectError
 from mimoc.base.geometry.rotations import (
-    Vec3,
     matrix_from_axis,
     matrix_from_quaternion,
     quaternion_from_axis,
@@ -54,7 +53,9 @@ def place_objects(objects: Sequence[ObjectSpec], infants: Mapping[str, Surroundi
 
 def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundings) -> PlacedThing:
     pos_m, yaw_rad = spot.pos_m, math.radians(spec.yaw_deg) + spot.yaw_rad
-    root = _moved(built.root, pos_m, yaw_rad)
+    x, y, z = (matrix_from_axis(UP, yaw_rad) @ built.root.pos_m + pos_m).tolist()
+    turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), built.root.quat)
+    root = replace(built.root, pos_m=(x, y, z), quat=turn)
     ribbons = (tie_ribbon(built.tie, root, around),) if built.tie else ()
     bodies = tuple(root.subtree())
     entry = ObjectEntry(
@@ -79,13 +80,6 @@ def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundin
     )
     elements = PlacedObject(root, built.materials, built.meshes, ribbons)
     return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)
-
-
-def _moved(root: ObjectBody, pos_m: Vec3, yaw_rad: float) -> ObjectBody:
-    """Return the outermost body of an object in the world, from its place in the object's own frame."""
-    x, y, z = (matrix_from_axis(UP, yaw_rad) @ root.pos_m + pos_m).tolist()
-    turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), root.quat)
-    return replace(root, pos_m=(x, y, z), quat=turn)
 
 
 def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:

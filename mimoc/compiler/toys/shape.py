@@ -124,7 +124,6 @@ def solid_volume(solid: Solid) -> float:
 
 
 def _extents(solid: Solid) -> Extents:
-    """Return the extents of a single primitive."""
     return extents([(_kind(solid), solid.size)])
 
 

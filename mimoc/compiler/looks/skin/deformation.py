@@ -88,18 +88,15 @@ class _Carrying:
         verts_m = self._on_solids(mesh, verts_m, sizes, lost)
         sizes = sizes * (1 - lost)
         normals = normals_of(verts_m, mesh.faces)
-        verts_m = verts_m + (self._fullness_m() * sizes)[:, None] * normals
+        # How much fuller than its solids each vertex of the reference child would be at the child's age.
+        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
+        for index, unit in enumerate(np.eye(len(ages))):
+            share[index] = np.interp(self.tree.age_months, ages, unit)
+        verts_m = verts_m + ((share @ self.sculpted.fullness_m) * sizes)[:, None] * normals
         normals = normals_of(verts_m, mesh.faces)
         for piece in dressed(self.sculpted, self.tree.clothes):
             lifts_m = piece.lifts_m * sizes[piece.sources]
             yield self._layer(piece, verts_m[piece.sources] + lifts_m[:, None] * normals[piece.sources], lost)
-
-    def _fullness_m(self) -> FloatArray:
-        """Return how much fuller than its solids each vertex of the reference child would be at the child's age."""
-        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
-        for index, unit in enumerate(np.eye(len(ages))):
-            share[index] = np.interp(self.tree.age_months, ages, unit)
-        return share @ self.sculpted.fullness_m
 
     def _layer(self, piece: Piece, verts_m: FloatArray, lost: FloatArray) -> SkinLayer:
         """Return a layer whose vertices are given, without what missing limbs moved."""

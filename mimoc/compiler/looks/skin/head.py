@@ -8,7 +8,7 @@ from mimoc.base.geometry.rotations import FloatArray
 from mimoc.base.geometry.smoothstep import smoothstep
 from mimoc.base.geometry.triangles import normals_of
 from mimoc.body.head_surface import half_axes
-from mimoc.body.tree import BodyTree, Geom
+from mimoc.body.tree import BodyTree
 from mimoc.compiler.looks.skin.template_mesh import SculptedHair, SculptedHead
 
 AT_EYE, BESIDE_EYE = 1.35, 3.0
@@ -44,7 +44,15 @@ def deform_head(sculpted: SculptedHead, tree: BodyTree, expression: str = "neutr
     verts_m = turned_m * (np.array(half_axes(head)) / sculpted.half_axes_m)
     for side, sign in SIDES:
         if (place := eyes.get(f"{side}_eye")) is not None:
-            verts_m = _around_eye(verts_m, turned_m, sculpted, head, sign, place, geoms[f"{side}_eye1"].size_m[0])
+            # Vertices of which those near an eye are as far from its middle as they were sculpted, by its size.
+            middle_m = sculpted.eye_m * (1, sign, 1)
+            from_eye = turned_m - middle_m
+            t = (BESIDE_EYE - np.linalg.norm(from_eye, axis=1) / sculpted.eye_radius_m) / (BESIDE_EYE - AT_EYE)
+            near = smoothstep(t)[:, None]
+            on_ball = (
+                place - np.array(head.pos_m) + from_eye * (geoms[f"{side}_eye1"].size_m[0] / sculpted.eye_radius_m)
+            )
+            verts_m = verts_m + near * (on_ball - verts_m)
     return verts_m + np.array(head.pos_m)
 
 
@@ -107,24 +115,6 @@ def _between_ages(sculpted: SculptedHead, values: FloatArray, age_months: float)
     later = int(np.clip(np.searchsorted(ages, age_months), 1, len(ages) - 1))
     share = float(np.clip((age_months - ages[later - 1]) / (ages[later] - ages[later - 1]), 0, 1))
     return (1 - share) * values[later - 1] + share * values[later]
-
-
-def _around_eye(
-    verts_m: FloatArray,
-    shape_m: FloatArray,
-    sculpted: SculptedHead,
-    head: Geom,
-    sign: float,
-    place: FloatArray,
-    radius_m: float,
-) -> FloatArray:
-    """Return vertices of which those near an eye are as far from its middle as they were sculpted, by its size."""
-    middle_m = sculpted.eye_m * (1, sign, 1)
-    from_eye = shape_m - middle_m
-    t = (BESIDE_EYE - np.linalg.norm(from_eye, axis=1) / sculpted.eye_radius_m) / (BESIDE_EYE - AT_EYE)
-    near = smoothstep(t)[:, None]
-    on_ball = place - np.array(head.pos_m) + from_eye * (radius_m / sculpted.eye_radius_m)
-    return verts_m + near * (on_ball - verts_m)
 
 
 class Growth(NamedTuple):

@@ -227,7 +227,6 @@ class CaregiverBody:
         _write(self._mocap["head"], (self._head_m, self._gaze(data, infant)), data)
 
     def _place(self, data: mujoco.MjData) -> None:
-        """Put all bodies where they are at the start."""
         for name, frame in self._placed.items():
             _write(self._mocap[name], frame, data)
         for side in SIDES:

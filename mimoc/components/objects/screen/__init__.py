@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from mimoc.schema.base import KeyedError
 from mimoc.schema.kinds import ObjectKind
-from mimoc.schema.object_furniture import Colour, PicturedSpec, Side
+from mimoc.schema.object_base import Colour, PicturedSpec, Side
 from mimoc.schema.quantities import Centimetres
 
 

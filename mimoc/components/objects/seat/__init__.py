@@ -6,7 +6,7 @@ from pydantic import Field
 
 from mimoc.schema.body import PartName
 from mimoc.schema.kinds import ObjectKind
-from mimoc.schema.object_furniture import CLOTH, Colour, FurnitureSpec
+from mimoc.schema.object_base import CLOTH, Colour, FurnitureSpec
 from mimoc.schema.quantities import Centimetres, Degrees
 
 

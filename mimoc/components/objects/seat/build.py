@@ -21,7 +21,7 @@ from mimoc.compiler.objects.starts import FurnitureStart, State
 from mimoc.compiler.task_setup import Hold
 from mimoc.components.objects.seat import SeatSpec
 from mimoc.schema.names import SIDES
-from mimoc.schema.object_furniture import WOOD
+from mimoc.schema.object_base import WOOD
 
 LIMBS = tuple(f"{side}_upper_{limb}" for side in SIDES for limb in ("arm", "leg"))
 THIGHS, SHANKS = (tuple(f"{side}_{part}_leg" for side in SIDES) for part in ("upper", "lower"))
@@ -154,7 +154,6 @@ def _leg(seated: Fit, side: str) -> dict[str, float]:
 
 
 def _direction(elevation_deg: float) -> FloatArray:
-    """Return a unit vector in the plane y = 0 by its elevation from x, shape (3,)."""
     return np.array([math.cos(deg_to_rad(elevation_deg)), 0.0, math.sin(deg_to_rad(elevation_deg))])
 
 

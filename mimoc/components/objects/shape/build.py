@@ -78,7 +78,6 @@ def solid_of(spec: ShapeSpec, name: str, folder: Path) -> Solid:
 
 
 def _of_shape(spec: ShapeSpec, name: str) -> Solid:
-    """Return a simple shape."""
     shape, size_m = spec.shape or "sphere", _size_m(spec)
     half_m = _half_m(shape, size_m)
     half_m = (half_m[2], half_m[1], half_m[0]) if spec.lies else half_m
@@ -101,7 +100,6 @@ def _of_shape(spec: ShapeSpec, name: str) -> Solid:
 
 
 def _mass(spec: ShapeSpec, volume_m3: float, usual_kg_m3: float, whose: str) -> tuple[float, Entry]:
-    """Return the mass of an object, and where it comes from."""
     source: list[str] = ["spec.scene.objects"]
     if spec.mass_g is not None:
         return spec.mass_g / 1000, {"rule": "as the spec gives it", "from": source}
@@ -137,7 +135,6 @@ def _surface_m(shape: str, half_m: Vec3) -> tuple[float, float] | None:
 
 
 def _of_toy(spec: ShapeSpec, name: str, folder: Path) -> Solid:
-    """Return a toy or a mesh."""
     model, size_m = _model(spec, folder), cm_to_m(spec.size_cm)
     material = spec.material or _usual(model)
     usual_kg_m3 = DENSITIES_KG_M3[material] if spec.material else model.density_kg_m3

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mimoc.schema.kinds import ObjectKind
-from mimoc.schema.object_furniture import WOOD, Colour, FurnitureSpec, Side
+from mimoc.schema.object_base import WOOD, Colour, FurnitureSpec, Side
 from mimoc.schema.quantities import Degrees
 
 

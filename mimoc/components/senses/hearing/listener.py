@@ -67,7 +67,6 @@ def checked_playback(pressure_pa: Any, rate_hz: Any, point_m: Any, body: int) ->
 
 
 def _numbers(values: Any) -> FloatArray | None:
-    """Return an array of real numbers, or None if it is none."""
     try:
         array = np.asarray(values)
     except ValueError:  # Rows of several lengths.
@@ -138,7 +137,12 @@ class Listener(Companion):
 
     def heard(self, data: mujoco.MjData) -> FloatArray:
         """Return the sound pressure at the left and the right ear until now, shape (2, samples), in [Pa]."""
-        self._begin_sounds(data)
+        sounds = [sound for sources in self._sources for sound in sources.sounds(data)]
+        if sounds or self._begun:
+            keys = [[sound.source, sound.kind, sound.start_step, sound.fundamental_hz] for sound in sounds]
+            new = [sound for sound, key in zip(sounds, keys, strict=True) if key not in self._begun]
+            self._mixer.add([self._of_sound(sound) for sound in new])
+            self._begun = keys
         count = round(data.time * self._head.sample_rate_hz) - self.index
         if count > 0:
             count = min(count, 4 * self._samples)
@@ -153,7 +157,6 @@ class Listener(Companion):
 
     @property
     def _tracks(self) -> list[VoiceTrack]:
-        """All voices that it hears."""
         voices = [*([self._voice] if self._voice else []), *self._others]
         return [voice.track for voice in voices]
 
@@ -178,15 +181,6 @@ class Listener(Companion):
         heard_ms = float((margins_db / frequencies_hz).max()) * frequencies_hz[0] * impact.timbre.duration_ms / 60
         lasts = max(heard_ms, 0.0) / 1000 * self._head.sample_rate_hz
         return Source(impact.timbre, 10 ** (impact.level_db / 20), start, 0, impact.place_m, lasts)
-
-    def _begin_sounds(self, data: mujoco.MjData) -> None:
-        """Let sounds of others begin that have not yet."""
-        sounds = [sound for sources in self._sources for sound in sources.sounds(data)]
-        if sounds or self._begun:
-            keys = [[sound.source, sound.kind, sound.start_step, sound.fundamental_hz] for sound in sounds]
-            new = [sound for sound, key in zip(sounds, keys, strict=True) if key not in self._begun]
-            self._mixer.add([self._of_sound(sound) for sound in new])
-            self._begun = keys
 
     def _of_sound(self, sound: Sound) -> Source:
         timbre = Timbre(sound.kind, float(sound.fundamental_hz), float(sound.duration_ms))

@@ -93,8 +93,10 @@ class Adapting(Filter):
         """What is left after each interval so far; no field, so that infants never share it."""
         return {}
 
-    def _left(self, xp: Any, elapsed_s: float) -> tuple[Any, ...]:
-        """Return what is left of both lags, what a change adds to them, and the same of the rise."""
+    def _changed(self, xp: Any, elapsed_s: float, numbers: Any, kept: Any) -> tuple[Any, Any]:
+        """Return the channels of m points, shape (k, c, m), and their state, shape (k, 4, m)."""
+        force, rise, former = numbers[:, 0, :], kept[:, 2, :], kept[:, 3, :]
+        # What is left of both lags, what a change adds to them, and the same of the rise.
         interval_s = min(max(round(elapsed_s, 9), INSTANT_S), FORGOTTEN_S)
         if interval_s not in self.intervals:
             if len(self.intervals) == MOST_INTERVALS:
@@ -102,12 +104,7 @@ class Adapting(Filter):
             left, ramp = held(xp, interval_s, self.time_constants_s[:, :, None])
             of_rise, _ = held(xp, interval_s, self.rise_s)
             self.intervals[interval_s] = left, 1.0 - left, ramp, of_rise, (1.0 - of_rise) * (self.rise_s / interval_s)
-        return self.intervals[interval_s]
-
-    def _changed(self, xp: Any, elapsed_s: float, numbers: Any, kept: Any) -> tuple[Any, Any]:
-        """Return the channels of m points, shape (k, c, m), and their state, shape (k, 4, m)."""
-        force, rise, former = numbers[:, 0, :], kept[:, 2, :], kept[:, 3, :]
-        left, gained, ramp, of_rise, risen = self._left(xp, elapsed_s)
+        left, gained, ramp, of_rise, risen = self.intervals[interval_s]
         change = force - former
         rise = of_rise * rise + risen * xp.maximum(change, 0.0)
         lags = left * kept[:, :2, :] + gained * former[:, None, :] + ramp * change[:, None, :]

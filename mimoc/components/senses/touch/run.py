@@ -119,7 +119,6 @@ class TouchReader:
     """
 
     def __init__(self, touches: Sequence[Touch]):
-        """Join the touch of each infant."""
         self._touch = first = touches[0]
         self._bodies, self._geoms = len(first.receptors.scale_per_m), len(first.body_of_geom)
         self._size = len(first.receptors.bodies) * first.width

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf import sensor_sites
 from mimoc.compiler.mjcf.scene import Placed
-from mimoc.components.senses.vision import Shown, VisionEntry, VisionSpec
+from mimoc.components.senses.vision import VisionEntry, VisionSpec
 from mimoc.components.senses.vision.build_acuity import resolve_acuity
 from mimoc.components.senses.vision.build_maturity import UNITS, maturity_of, rules_of
 
@@ -23,6 +23,7 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
     cameras = sensor_sites.cameras(body, spec.fovy_deg)
     names = {part.name for part in body.bodies}
     fields = {"contrast": "linear", "foveation": spec.foveation} | maturity_of(spec, body.age_months)
+    # What the eyes see of infants: by the published law, solids, unless the spec asks for skins.
     entry = VisionEntry(
         cameras=tuple(camera.name for eye in cameras.values() for camera in eye),
         width_px=spec.width_px,
@@ -33,15 +34,10 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         field_deg=dict(body.field_deg),
         foveation_radius=spec.foveation_radius,
         unseen=tuple(name for name in sensor_sites.UNSEEN if name in names),
-        body=_seen(spec, body),
+        body="solids" if spec.body is None and body.development == "published" else spec.body,
         **fields,
     )
     return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
-
-
-def _seen(spec: VisionSpec, body: BodyTree) -> Shown | None:
-    """Return what the eyes see of infants: by the published law, solids, unless the spec asks for skins."""
-    return "solids" if spec.body is None and body.development == "published" else spec.body
 
 
 def _shares(body: BodyTree, eyes: Iterable[str]) -> tuple[float, ...]:
@@ -74,7 +70,6 @@ def _matured(spec: VisionSpec, entry: VisionEntry) -> Iterator[tuple[str, dict[s
 
 
 def _impaired(entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:
-    """Yield the origins of what impaired eyes have."""
     rule = "given by the spec"
     if entry.acuity_shares:
         yield (

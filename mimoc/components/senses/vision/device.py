@@ -230,11 +230,16 @@ def shared_textures(models: Sequence[mujoco.MjModel]) -> tuple[list[wp.Texture2D
     for model in models:
         table = []
         for index in range(model.ntex):
-            picture = _picture(model, index)
+            shape = int(model.tex_height[index]), int(model.tex_width[index]), int(model.tex_nchannel[index])
+            start = int(model.tex_adr[index])
+            picture = model.tex_data[start : start + int(np.prod(shape))].reshape(shape)
+            picture = flat_picture(picture, _is_on_limbs(model, index)) if model.tex_type[index] == CUBE else picture
             key = picture.tobytes(), picture.shape
             if key not in places:
                 places[key] = len(registry)
-                registry.append(_on_device(picture))
+                colours = np.ones((*picture.shape[:2], 4), np.float32)
+                colours[..., : picture.shape[2]] = picture / np.float32(255)
+                registry.append(wp.Texture2D(colours, filter_mode=wp.TextureFilterMode.LINEAR))
             table.append(places[key])
         tables.append(np.array([*table, -1]))
     return registry, tables
@@ -265,22 +270,9 @@ def flat_picture(cube: Picture, on_limbs: bool) -> Picture:
     return cube[(2 * axis + ~positive) * size_px + row, column]
 
 
-def _picture(model: mujoco.MjModel, index: int) -> Picture:
-    shape = int(model.tex_height[index]), int(model.tex_width[index]), int(model.tex_nchannel[index])
-    start = int(model.tex_adr[index])
-    picture = model.tex_data[start : start + int(np.prod(shape))].reshape(shape)
-    return flat_picture(picture, _is_on_limbs(model, index)) if model.tex_type[index] == CUBE else picture
-
-
 def _is_on_limbs(model: mujoco.MjModel, texture: int) -> bool:
     materials = np.flatnonzero((model.mat_texid == texture).any(axis=1))
     return bool((model.geom_type[np.isin(model.geom_matid, materials)] == CAPSULE).any())
-
-
-def _on_device(picture: Picture) -> wp.Texture2D:
-    colours = np.ones((*picture.shape[:2], 4), np.float32)
-    colours[..., : picture.shape[2]] = picture / np.float32(255)
-    return wp.Texture2D(colours, filter_mode=wp.TextureFilterMode.LINEAR)
 
 
 class Eyes:
