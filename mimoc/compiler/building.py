@@ -118,7 +118,12 @@ class Builder:
     def origins(self) -> Mapping[str, Any]:
         """Provenance of the infant's numbers, by key in `provenance.json`."""
         spec, tree, manifest = self.spec, self.tree, self.manifest
-        of_body = trace_body(self.grown, tree, _scaled_parts(spec, tree))
+        # The keys of the spec that scale each part, by its name in the body.
+        scaled: dict[str, tuple[str, ...]] = {}
+        for name, part in spec.body.parts.items():
+            keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
+            scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
+        of_body = trace_body(self.grown, tree, scaled)
         written = replace(self.actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
         entries = {
             **trace_actuation(spec.actuation.model, tree, written, of_body),
@@ -271,15 +276,6 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         manifest=manifest,
         has_skin=has_skin,
     )
-
-
-def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]]:
-    """Return the keys of the spec that scale each part, by its name in the body."""
-    scaled: dict[str, tuple[str, ...]] = {}
-    for name, part in spec.body.parts.items():
-        keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
-        scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
-    return scaled
 
 
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:

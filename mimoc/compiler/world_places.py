@@ -67,7 +67,15 @@ def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Pla
     """Return where each infant of a world is: as its file says, or side by side along y, centimetres rounded up."""
     yaws = [deg_to_rad(item.yaw_deg % 360.0) for item in plan.spec.placed]
     turned = zip(builders.values(), yaws, strict=True)
-    row_cm = _row_cm([place_discs(covered(one), Placement(0.0, 0.0, yaw)) for one, yaw in turned])
+    # Where the middles of infants, each of which covers discs around its own, are along y in a row, [cm].
+    infants = [place_discs(covered(one), Placement(0.0, 0.0, yaw)) for one, yaw in turned]
+    ends = [((discs[:, 1] - discs[:, 2]).min(), (discs[:, 1] + discs[:, 2]).max()) for discs in infants]
+    middles_cm, end_cm = [], 0
+    for low_m, high_m in ends:
+        middles_cm.append(end_cm + math.ceil(-100 * low_m))
+        end_cm = middles_cm[-1] + math.ceil(100 * high_m) + GAP_CM
+    middle_cm = math.floor((end_cm - GAP_CM) / 2)
+    row_cm = [float(y_cm - middle_cm) for y_cm in middles_cm]
     return {
         name: Placement(cm_to_m(item.x_cm or 0.0), cm_to_m(y_cm if item.y_cm is None else item.y_cm), yaw)
         for name, item, y_cm, yaw in zip(builders, plan.spec.placed, row_cm, yaws, strict=True)
@@ -84,17 +92,6 @@ def entries_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> list[dict[st
             entry |= {"x_cm": item.x_cm or 0.0, "y_cm": y_cm, "yaw_deg": item.yaw_deg}
         entries.append(entry | ({} if item.start_at is None else {"start_at": item.start_at}))
     return entries
-
-
-def _row_cm(infants: Sequence[FloatArray]) -> list[float]:
-    """Return where the middles of infants, each of which covers discs around its own, are along y in a row, [cm]."""
-    ends = [((discs[:, 1] - discs[:, 2]).min(), (discs[:, 1] + discs[:, 2]).max()) for discs in infants]
-    middles_cm, end_cm = [], 0
-    for low_m, high_m in ends:
-        middles_cm.append(end_cm + math.ceil(-100 * low_m))
-        end_cm = middles_cm[-1] + math.ceil(100 * high_m) + GAP_CM
-    middle_cm = math.floor((end_cm - GAP_CM) / 2)
-    return [float(y_cm - middle_cm) for y_cm in middles_cm]
 
 
 def trace_places(plan: WorldPlan, places: Mapping[str, Placement]) -> Iterator[tuple[str, Entry]]:

@@ -218,7 +218,20 @@ def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = Non
     things = _objects(plan, objects, around, parts, builders, places)
     toys = _toys(plan, around, parts, builders, assets, things)
     weightless = any(one.task_setup.weightless for one in builders.values())
-    world = _world(around, parts, toys, things, weightless)
+    furniture = around.world.furniture
+    for part in parts.values():
+        furniture += part.furniture
+    world = replace(
+        around.world,
+        furniture=furniture,
+        gravity_m_s2=WEIGHTLESS if weightless else around.world.gravity_m_s2,
+        objects=(*toys, *(item for part in parts.values() for item in part.objects)),
+        placed=tuple(thing.elements for thing in things),
+        locks=tuple(item for part in parts.values() for item in part.locks),
+        welds=tuple(item for part in parts.values() for item in part.welds),
+    )
+    roots = [root for part in parts.values() for root in part.tree.roots]
+    world = replace(world, pairs=barrier_pairs(world, roots))
     origins = {**dict(trace_places(plan, places)), **(trace_toys(toys) if scene.toys else {}), **trace_objects(things)}
     built = BuiltWorld(plan, builders, parts, around, world, toys, things, origins, None)
     return _without_bad_poses(_with_caregiver(built))
@@ -347,29 +360,6 @@ def _toys(
     except (NoSpaceError, ToyError) as error:
         lines = str(error).splitlines()
         raise SpecError(plan.written.problem(("scene", "toys"), line) for line in lines) from None
-
-
-def _world(
-    around: BuiltScene,
-    parts: Mapping[str, InfantPart],
-    toys: Sequence[FreeObject],
-    things: Sequence[PlacedThing],
-    weightless: bool,
-) -> World:
-    furniture = around.world.furniture
-    for part in parts.values():
-        furniture += part.furniture
-    world = replace(
-        around.world,
-        furniture=furniture,
-        gravity_m_s2=WEIGHTLESS if weightless else around.world.gravity_m_s2,
-        objects=(*toys, *(item for part in parts.values() for item in part.objects)),
-        placed=tuple(thing.elements for thing in things),
-        locks=tuple(item for part in parts.values() for item in part.locks),
-        welds=tuple(item for part in parts.values() for item in part.welds),
-    )
-    roots = [root for part in parts.values() for root in part.tree.roots]
-    return replace(world, pairs=barrier_pairs(world, roots))
 
 
 def _texts(built: BuiltWorld) -> dict[str, bytes]:

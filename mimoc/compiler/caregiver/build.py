@@ -57,7 +57,26 @@ def place_caregiver(
     if spec is None:
         return None
     scale = cm_to_m(spec.stature_cm) / STATURE_M
-    entry = _entry(spec, tree, scale)
+    head = next(geom for body in tree.bodies if body.name == HEAD for geom in body.geoms if geom.name == HEAD)
+    x, y, z = MOUTH_M
+    entry = CaregiverEntry(
+        head=f"{NAME}_head",
+        neck=f"{NAME}_neck",
+        trunk=f"{NAME}_trunk",
+        arms=(_arm("left"), _arm("right")),
+        face=f"{NAME}_face",
+        materials={name: face_material(name) for name in ADULT_EXPRESSIONS},
+        mouth_m=(scale * x, scale * y, scale * z),
+        infant_face_m=on_head(head, BETWEEN_EYES),
+        place=spec.place,
+        side=spec.side,
+        distance_m=cm_to_m(spec.distance_cm),
+        height_m=None if spec.height_cm is None else cm_to_m(spec.height_cm),
+        scale=scale,
+        expression=spec.expression,
+        script=tuple(_act(act, tree) for act in spec.script),
+        answers=spec.answers and _answers(spec.answers, tree),
+    )
     placed = _frames(entry, frames_in_world(tree, qpos)[HEAD])
     bodies = tuple(_body(name, placed[name], geoms) for name, geoms in figure(scale).items())
     grips = tuple(Grip(arm.grip, arm.bodies[-1], prefix + tree.bodies[0].name) for arm in entry.arms)
@@ -91,29 +110,6 @@ def _frames(entry: CaregiverEntry, head: Frame) -> dict[str, Frame]:
         parts = adult.arm(leaning.trunk, side, adult.resting(leaning.trunk, side))
         placed |= dict(zip(arm.bodies, parts, strict=True))
     return placed
-
-
-def _entry(spec: CaregiverSpec, tree: BodyTree, scale: float) -> CaregiverEntry:
-    head = next(geom for body in tree.bodies if body.name == HEAD for geom in body.geoms if geom.name == HEAD)
-    x, y, z = MOUTH_M
-    return CaregiverEntry(
-        head=f"{NAME}_head",
-        neck=f"{NAME}_neck",
-        trunk=f"{NAME}_trunk",
-        arms=(_arm("left"), _arm("right")),
-        face=f"{NAME}_face",
-        materials={name: face_material(name) for name in ADULT_EXPRESSIONS},
-        mouth_m=(scale * x, scale * y, scale * z),
-        infant_face_m=on_head(head, BETWEEN_EYES),
-        place=spec.place,
-        side=spec.side,
-        distance_m=cm_to_m(spec.distance_cm),
-        height_m=None if spec.height_cm is None else cm_to_m(spec.height_cm),
-        scale=scale,
-        expression=spec.expression,
-        script=tuple(_act(act, tree) for act in spec.script),
-        answers=spec.answers and _answers(spec.answers, tree),
-    )
 
 
 def _arm(side: str) -> ArmEntry:

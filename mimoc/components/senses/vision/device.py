@@ -293,19 +293,6 @@ class Eyes:
             use_precomputed_rays=len(fovy_deg) == 1,
         )
         self._shared, self._materials = model, None
-        self._use_textures(models, body_of_world)
-
-    def __call__(self, data: mjw.Data) -> wp.array:
-        """Return packed colours, 0xAARRGGBB, of the pixels of one eye after the other, shape (worlds, pixels)."""
-        model = copy.copy(self._shared)  # Its arrays are those of the worlds, but for the materials' textures.
-        if self._materials is not None:
-            model.mat_texid = self._materials
-        mjw.refit_bvh(model, data, self._context)
-        mjw.render(model, data, self._context)
-        return self._context.rgb_data
-
-    def _use_textures(self, models: Sequence[mujoco.MjModel], body_of_world: IntArray) -> None:
-        """Let each world have the textures of its own infant."""
         registry, tables = shared_textures(models)
         skies = np.array(
             [
@@ -320,6 +307,15 @@ class Eyes:
         if registry:
             materials = np.stack([table[model.mat_texid] for model, table in zip(models, tables, strict=True)])
             self._materials = wp.array(materials[body_of_world], dtype=int)
+
+    def __call__(self, data: mjw.Data) -> wp.array:
+        """Return packed colours, 0xAARRGGBB, of the pixels of one eye after the other, shape (worlds, pixels)."""
+        model = copy.copy(self._shared)  # Its arrays are those of the worlds, but for the materials' textures.
+        if self._materials is not None:
+            model.mat_texid = self._materials
+        mjw.refit_bvh(model, data, self._context)
+        mjw.render(model, data, self._context)
+        return self._context.rgb_data
 
 
 def _without(model: mujoco.MjModel, bodies: Sequence[str]) -> mujoco.MjModel:

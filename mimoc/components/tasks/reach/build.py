@@ -7,7 +7,7 @@ import numpy as np
 from mimoc.base.geometry.rotations import direction
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import Pose, poses_of, resting_state
+from mimoc.body.poses import poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.task_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.components.tasks.reach import ReachEntry, ReachSpec
@@ -42,7 +42,11 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     side: Side = task.hand or "right"
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
-    start = resting_state(tree, _standing(tree, side))
+    # How an infant stands whose arm floats, as its springs have it: there is no gravity.
+    standing = poses_of(tree)["standing"]
+    arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
+    slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
+    start = resting_state(tree, replace(standing, angles_deg={**standing.angles_deg, **slack}))
     stretched = frames(tree, {})
     arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
     outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
@@ -71,14 +75,6 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     away_m = np.array([first, second, third]) if entry.box_m else first * direction(second, third)
     x, y, z = (origin + trunk @ away_m).tolist()
     return one_armed(tree, side, entry, start, (ball((x, y, z)),), weightless=True)
-
-
-def _standing(tree: BodyTree, side: Side) -> Pose:
-    """Return how an infant stands whose arm floats, as its springs have it: there is no gravity."""
-    standing = poses_of(tree)["standing"]
-    arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
-    slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
-    return replace(standing, angles_deg={**standing.angles_deg, **slack})
 
 
 def _mimo_box(arm_m: float, side: Side) -> tuple[Numbers, Numbers, Numbers]:
