@@ -251,11 +251,7 @@ def _builder(plan: WorldPlan, name: str) -> Builder:
 
 
 def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
-    """Check that infants can have the same options of MuJoCo's, and the same gravity.
-
-    Raises:
-        SpecError: If they cannot.
-    """
+    """Check that infants can have the same options of MuJoCo's, and the same gravity."""
     first_name, first = next(iter(builders.items()))
     problems = []
     for index, (name, one) in enumerate(builders.items()):
@@ -274,11 +270,7 @@ def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
 
 
 def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
-    """Return a world with the caregiver of its scene, if there is one, where it is within no other infant.
-
-    Raises:
-        SpecError: If there is no such place, or its script offers what is not there.
-    """
+    """Return a world with the caregiver of its scene, if there is one, where it is within no other infant."""
     scene, written = built.plan.spec.scene, built.plan.written
     if scene.caregiver is None:
         return built
@@ -296,11 +288,7 @@ def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
 
 
 def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
-    """Return a world without the poses in which an object is inside of something, or a ribbon is too short.
-
-    Raises:
-        SpecError: If that in which all start is one of them.
-    """
+    """Return a world without the poses in which an object is inside of something, or a ribbon is too short."""
     if not built.things:
         return built
     model, specs = model_without_pictures(built.mjcf), built.plan.spec.scene.objects
@@ -423,12 +411,7 @@ def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
 
 
 def _check(built: BuiltWorld, files: Mapping[str, bytes]) -> None:
-    """Check that MuJoCo takes a world, and that no two infants start within each other.
-
-    Raises:
-        ModelError: If it does not.
-        SpecError: If they do.
-    """
+    """Check that MuJoCo takes a world, and that no two infants start within each other."""
     try:
         model = mujoco.MjModel.from_xml_string(*mjcf_of(files, "scene.xml"))
     except ValueError as error:

@@ -164,11 +164,7 @@ def _of_toy(spec: ShapeSpec, name: str, folder: Path) -> Solid:
 
 
 def _model(spec: ShapeSpec, folder: Path) -> ToyModel:
-    """Return the shape of a toy or a mesh.
-
-    Raises:
-        ToyError: If there is none, or it cannot be used.
-    """
+    """Return the shape of a toy or a mesh."""
     if spec.mesh:
         return toys4k.load_mesh(dataset.expand_root(spec.mesh, folder), MeshCache())
     name = spec.toy or ""

@@ -141,7 +141,7 @@ class VisionReader:
         """Open the eyes.
 
         Raises:
-            MixtureError: If their eyes have pictures of different sizes.
+            BatchMismatchError: If their eyes have pictures of different sizes.
             DeviceError: If they are out of focus, which takes distances that are not drawn here, or are to see skins.
         """
         entries: list[Any] = [infant.manifest.senses.vision for infant in setup.infants]

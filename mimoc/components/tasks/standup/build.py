@@ -147,11 +147,7 @@ def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
 
 
 def _sit(tree: BodyTree, task: str) -> Seat:
-    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor.
-
-    Raises:
-        UnsupportedTaskError: If its feet cannot be flat on the floor.
-    """
+    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor."""
     for hip_deg in HIPS_DEG[:-1]:
         with suppress(UnsupportedTaskError):
             return _seat(tree, hip_deg, task)
@@ -159,11 +155,7 @@ def _sit(tree: BodyTree, task: str) -> Seat:
 
 
 def _seat(tree: BodyTree, hip_deg: float, task: str) -> Seat:
-    """Return how an infant sits with its hips at an angle.
-
-    Raises:
-        UnsupportedTaskError: If its feet cannot be flat on the floor then.
-    """
+    """Return how an infant sits with its hips at an angle."""
     angles = {f"robot:{name}": deg_to_rad(angle) for name, angle in CURVED_DEG.items()}
     angles |= {f"robot:{side}_hip1": deg_to_rad(hip_deg) for side in SIDES}
     for side in SIDES:
@@ -188,9 +180,6 @@ def _flat_foot(
 
     The thigh is turned up by *thigh_deg* from hanging down. With a flat foot the ankle follows from the knee; the
     farther the knee is bent, the steeper is the shank and the deeper the foot.
-
-    Raises:
-        UnsupportedTaskError: If there is no such knee, or if the ankle does not bend down as far.
     """
     least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
     ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
