@@ -84,6 +84,8 @@ INSTEAD = {
     "--set n_steps=64 --set batch_size=64",
     # Many frames, and large ones.
     r"--steps 100 --video\b": "--steps 10 --size 64 --video",
+    r"--steps 500 --record\b": "--steps 20 --record",
+    r"--video out/pair.gif": "--size 64 --video out/pair.gif",
     r"--size 200\b": "--size 40",
     r"--seeds 0:12\b": "--seeds 0:3",
     r"\bsteps=100, eyes=True": "steps=10, eyes=True, height_px=64",

@@ -103,8 +103,7 @@ class Bundle:
     @property
     def versions(self) -> Mapping[str, str]:
         """Versions of the software that made it, by name."""
-        listed = json.loads(self.files[LOCK]).get("versions")
-        return {str(name): str(version) for name, version in listed.items()} if isinstance(listed, dict) else {}
+        return versions_in(self.files)
 
     def __repr__(self) -> str:
         """Return name, age, size and folder in one line."""
@@ -129,6 +128,12 @@ def lock_files(
     The manifest, if it is given, need not be parsed again.
     """
     return _bundle(with_lock(files, versions, inputs), manifest or read_manifest(files[MANIFEST]), None)
+
+
+def versions_in(files: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the versions of the software that made the files of a bundle, by name, as its lock says."""
+    listed = json.loads(files[LOCK]).get("versions")
+    return {str(name): str(version) for name, version in listed.items()} if isinstance(listed, dict) else {}
 
 
 def with_lock(files: Mapping[str, bytes], versions: Mapping[str, str], inputs: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -12,7 +12,6 @@ from mimoc.base.errors import BundleError, MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
-    from mimoc.bundle.world import WorldBundle
     from mimoc.policies.policy import PolicyMaker
     from mimoc.schema.infant import InfantSpec
 
@@ -92,27 +91,21 @@ def load_infant(path: Path) -> "Bundle":
         return pipeline.build(spec, progress=show)
 
 
-def load_counterpart(path: Path, beside: str, world: "WorldBundle | None" = None) -> "Bundle | WorldBundle":
-    """Return the child that stands beside the one of a spec or of a bundle, such as the `healthy` one; or their world.
+def load_counterpart(path: Path, beside: str) -> "InfantSpec":
+    """Return the child that stands beside the one of a spec or of a bundle, such as the `healthy` one.
 
     Raises:
         SpecError: If the spec is invalid, or there is no such child.
         UnknownNameError: If there is no such counterpart.
         MimocError: If there is no spec, or nothing impairs its child.
     """
-    from mimoc.compiler.pipeline import build
     from mimoc.compiler.provenance import SPEC_FILE
-    from mimoc.schema.counterparts import counterpart, world_counterpart
+    from mimoc.schema.counterparts import counterpart
 
-    if world:
-        from mimoc.compiler.world_variants import plan_of_bundle
-        from mimoc.compiler.worlds import build_world
-
-        return build_world(world_counterpart(plan_of_bundle(world), beside))
     file = path / SPEC_FILE if path.is_dir() else path
     if path == STDIN or not file.is_file():
         raise MimocError(f"{path}: --beside changes the spec of an infant; name the file of one, or a bundle")
-    return build(counterpart(load_spec(file), beside))
+    return counterpart(load_spec(file), beside)
 
 
 def load_trained(path: str) -> "PolicyMaker":

@@ -154,20 +154,25 @@ DIGITS = 6
 """Significant digits of what a run gives."""
 
 
-def print_run(summary: Summary, beside: Mapping[str, Summary], heading: str = "value") -> None:
-    """Print the summary of a run and its speed, and what comes of the same run of other infants, by what they are."""
-    title = f"{summary.steps} control steps, {summary.simulated_s:g} s simulated"
-    table = new_table("quantity", heading, *beside, title=title)
-    columns = [{**one.measures, **one.metrics} for one in (summary, *beside.values())]
-    for name in dict.fromkeys(name for column in columns for name in column):
-        values = [column.get(name) for column in columns]
-        if any(value is not None for value in values):
-            table.add_row(quantity_of(name).title, *map(_value, values))
+def print_run(summaries: Mapping[str, Summary]) -> None:
+    """Print the summaries of a run by infant, whose name is empty if it is the only one, and the speed of the first."""
+    summary = next(iter(summaries.values()))
+    columns = {name: {**one.measures, **one.metrics} for name, one in summaries.items()}
+    print_measures(columns, f"{summary.steps} control steps, {summary.simulated_s:g} s simulated")
     console = open_console()
-    console.print(table)
     console.print(f"{counted(summary.episodes, 'episode')}, total reward {readable(summary.total_reward, DIGITS)}")
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+
+
+def print_measures(columns: Mapping[str, Mapping[str, Any]], title: str) -> None:
+    """Print what was measured, a column for each infant by name."""
+    table = new_table("quantity", *(name or "value" for name in columns), title=title)
+    for name in dict.fromkeys(name for column in columns.values() for name in column):
+        values = [column.get(name) for column in columns.values()]
+        if any(value is not None for value in values):
+            table.add_row(quantity_of(name).title, *map(_value, values))
+    open_console().print(table)
 
 
 def _value(value: float | None) -> str:

@@ -15,7 +15,7 @@ def report(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="BUNDLE|RUN|COHORT",
+            metavar="BUNDLE|WORLD|RUN|COHORT",
             help="Folder written by `mimoc build`, `mimoc train` or `mimoc cohort run`; or a spec (.yaml, or `-` for "
             "standard input) to build in memory.",
         ),
@@ -29,7 +29,7 @@ def report(
     ] = None,
     beside: Beside = None,
 ) -> None:
-    """Write one HTML page on an infant, a training run or a cohort, which opens anywhere and needs no network."""
+    """Write one HTML page on an infant, a world, a training run or a cohort, which opens anywhere without a network."""
     from mimoc.cli import console
 
     study = mimoc.read_cohort(cohort) if cohort else None

@@ -13,10 +13,13 @@ from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mimoc.bundle.io import Bundle
     from mimoc.render.portrait import Framing
-    from mimoc.render.renderer import Shown
-    from mimoc.schema.infant import InfantSpec
+    from mimoc.render.renderer import Picture, Shown
+    from mimoc.schema.scene import SceneSpec
+    from mimoc.schema.source import Source
 
 Azimuth = Annotated[
     float | None,
@@ -197,6 +200,9 @@ def see(
     ] = None,
     fovy: FieldOfView = 18,
     size: Annotated[int, typer.Option(min=16, max=1024, help="Size of each view in pixels.")] = 256,
+    name: Annotated[
+        str | None, typer.Option("--infant", metavar="NAME", help="Who sees, in a world; default: the first infant.")
+    ] = None,
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
@@ -206,12 +212,15 @@ def see(
     from mimoc.render.picture_files import tile_pictures
 
     picture_files.check_picture_name(file)
-    bundle = load_infant(infant)
+    world = worlds.find_world(infant, pose=pose)
+    bundle = worlds.infant_of(world, name) if world else load_infant(infant)
+    if name and not world:
+        raise MimocError("--infant chooses from a world with several infants, and this is one; leave it out")
     vision, seeing = spec_of(bundle).senses.vision or VisionSpec(), bundle.manifest.senses.vision
     vision = vision.model_copy(update={"body": seeing.body}) if seeing else vision
     months = comparison.read_ages(ages)
     views = comparison.compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
-    pictures = preview(bundle, views.entries, pose, down, fovy)
+    pictures = preview(bundle, views.entries, pose, down, fovy, world)
     print(printable(picture_files.write_picture(file, tile_pictures(pictures, views.columns, views.rows))))
     if is_blank(pictures[0][-1]):
         print(NOTHING_SEEN)
@@ -233,36 +242,50 @@ def rooms(
     size: Annotated[int, typer.Option(min=32, max=1024, help="Width of each scene's image in pixels.")] = 320,
 ) -> None:
     """Render the scenes of several seeds in one image."""
-    from mimoc.bundle.io import read_bundle
     from mimoc.cli import console
-    from mimoc.compiler import building, variants
     from mimoc.render.picture_files import captioned_grid, check_picture_name, write_picture
-    from mimoc.render.portrait import overview
 
     check_picture_name(file)
-    wanted, pictures = parse_seeds(seeds), list[Any]()
-    infant = variants.spec_of(read_bundle(spec)) if spec.is_dir() else load_spec(spec)
-    _check_seed_matters(infant)
-    builder = building.builder(infant)
+    wanted, pictures, size_px = parse_seeds(seeds), list[Any](), (size, size * 3 // 4)
+    draw = _scene_drawer(spec, size_px)
     with console.progress("drawing") as show:
         for number, seed in enumerate(wanted, start=1):
-            pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
+            pictures.append(draw(seed))
             show(number, len(wanted))
     print(printable(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted]))))
 
 
-def _check_seed_matters(spec: "InfantSpec") -> None:
+def _scene_drawer(spec: Path, size_px: tuple[int, int]) -> "Callable[[int], Picture]":
+    """Return what draws the scene of a seed, around one infant or several."""
+    from mimoc.bundle.io import read_bundle
+    from mimoc.compiler import building, variants
+    from mimoc.compiler.world_variants import plan_of_bundle
+    from mimoc.compiler.worlds import build_world
+    from mimoc.render.portrait import overview, world_portrait
+    from mimoc.schema.infant import as_written
+    from mimoc.schema.world import in_scene
+
+    if world := worlds.find_world(spec):
+        plan = plan_of_bundle(world)
+        _check_seed_matters(plan.spec.scene, plan.written)
+        return lambda seed: world_portrait(build_world(in_scene(plan, seed)), None, *size_px)
+    infant = variants.spec_of(read_bundle(spec)) if spec.is_dir() else load_spec(spec)
+    _check_seed_matters(infant.scene, as_written(infant))
+    builder = building.builder(infant)
+    return lambda seed: overview(builder(seed, check=False), *size_px)
+
+
+def _check_seed_matters(scene: "SceneSpec", written: "Source") -> None:
     """Print a note if only the toys depend on the seed; raise a SpecError if nothing in the scene does."""
     from mimoc.schema.components.scenes import SCENES
-    from mimoc.schema.infant import as_written
 
-    kind = spec.scene.kind
+    kind = scene.kind
     if SCENES[kind].varies:
         return
-    if spec.scene.toys is None:
-        others = " or ".join(f"'kind: {scene.name}'" for scene in SCENES.values() if scene.varies)
+    if scene.toys is None:
+        others = " or ".join(f"'kind: {one.name}'" for one in SCENES.values() if one.varies)
         message = f"'{kind}' without toys is the same for every seed; write {others}, or add toys"
-        raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
+        raise SpecError([written.problem(("scene", "kind"), message)])
     print(f"note: in a '{kind}' scene only the toys depend on the seed", file=sys.stderr)
 
 

@@ -26,7 +26,7 @@ from mimoc.cli.arguments import (
 )
 from mimoc.cli.terminal import printable
 from mimoc.policies.class_policy import class_or_text
-from mimoc.policies.spec import usage
+from mimoc.policies.spec import parse_policies, usage
 from mimoc.recording.movement_columns import ALL, GROUPS, groups_named
 from mimoc.schema.components.policies import POLICIES
 
@@ -57,7 +57,7 @@ ChosenPolicies = Annotated[
     typer.Option(
         "--policy",
         metavar="POLICY",
-        help=f"{POLICIES_HELP} Default: random. In a world, NAME=POLICY is for one infant; repeatable.",
+        help=f"{POLICIES_HELP} Default: random. In a world, NAME=POLICY,... is for single infants; repeatable.",
     ),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed of policy and episodes; the same seed gives the same run.")]
@@ -128,40 +128,48 @@ def run(
     check_video(video, eyes)
     options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
     world = worlds.find_world(infant)
-    other = load_counterpart(infant, beside, world) if beside else None
-    env = _open(world or load_infant(infant), task, "human" if window else None)
+    other = _counterpart(infant, world, beside) if beside else None
+    env = open_env(world or load_infant(infant), task, render_mode="human" if window else None)
     with closing(env), ExitStack() as recorded:
         infants = infants_of("run", env)
+        if filmed is not None and len(infants) == 1:
+            raise MimocError("--infant chooses one of several infants, and there is only one here; leave it out")
         if filmed is not None:
             check_name("name of an infant here", filmed, infants)
-        chosen = _chosen(policy or ["random"], infant, root, infants)
+        chosen = policies_by_infant(policy, infant, root, infants)
         policies = policies_of(infants, chosen, load_trained)  # Refuses bad names before writing anything.
         recorded.enter_context(_recording(infants, record, movement))
         written = _written(infants, video, record, filmed)
-        steps = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
-        summaries = _run(env, policies, seed, steps, _film(video, infants, options), written)
+        count = steps or max(getattr(item, "whole_steps", 0) for item in policies.values()) or STEPS
+        summaries = _run(env, policies, seed, count, _film(video, infants, options), written)
     if other is not None:
-        with closing(_open(other, task)) as env:
+        with closing(open_env(other, task)) as env:
             acting = policies_of(infants_of("run", env), chosen, load_trained)
-            others = _run(env, acting, seed, steps, nullcontext(), [])
+            others = _run(env, acting, seed, count, nullcontext(), [])
         summaries |= {f"{name}, {beside}" if name else str(beside): summary for name, summary in others.items()}
-    (name, summary), *rest = summaries.items()
-    console.print_run(summary, dict(rest), name or "value")
+    console.print_run(summaries)
     for item in policies.values():
         console.print_joints(item)
     sys.stdout.writelines(f"{printable(path)}\n" for path in written)
 
 
-def _open(shown: "Bundle | WorldBundle", task: str | None, render_mode: Any = None) -> "InfantEnv | WorldEnv":
-    """Return the environment of an infant, or of a world, in which each has a task of its own."""
+def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) -> "InfantEnv | WorldEnv":
+    """Return the environment of an infant or a world, where each infant has the task of a user's class, if any."""
     from mimoc.bundle.world import WorldBundle
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.world_env import WorldEnv
 
     if isinstance(shown, WorldBundle):
         tasks = {name: import_object(task) for name in shown.infants} if task else {}
-        return WorldEnv(shown, render_mode, tasks=tasks)
-    return InfantEnv(shown, render_mode, task=import_object(task) if task else None)
+        return WorldEnv(shown, tasks=tasks, **options)
+    return InfantEnv(shown, task=import_object(task) if task else None, **options)
+
+
+def _counterpart(infant: Path, world: "WorldBundle | None", beside: str) -> "Bundle | WorldBundle":
+    """Return the child that stands beside another, or the world with those of all its children."""
+    from mimoc.compiler.pipeline import build
+
+    return worlds.counterpart(world, beside) if world else build(load_counterpart(infant, beside))
 
 
 def _written(
@@ -195,16 +203,15 @@ def _film(
     return film_of(video, next(iter(infants.values())).manifest.step_ms, **options) if video else nullcontext()
 
 
-def _chosen(
-    texts: Sequence[str], source: Path, root: Root | None, infants: "Mapping[str, Infant]"
+def policies_by_infant(
+    texts: Sequence[str] | None, source: Path, root: Root | None, infants: "Mapping[str, Infant]"
 ) -> "Mapping[str, str | PolicyMaker]":
     """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
 
     by_infant = dict[str, str]()
-    for text in texts:
-        name, _, policy = text.partition("=")
-        by_infant |= {name: policy} if name and name in infants else dict.fromkeys(infants, text)
+    for text in texts or ["random"]:
+        by_infant |= parse_policies(text, infants)
     follows = {name: text.partition(":") for name, text in by_infant.items() if "+" not in text}
     motions = {name: folder for name, (kind, _, folder) in follows.items() if kind == MOTION}
     if root and not motions:

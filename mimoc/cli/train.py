@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+from mimoc.cli import worlds
 from mimoc.cli.arguments import InfantPath, import_object, load_infant
 from mimoc.cli.terminal import resumable
 
@@ -66,7 +67,7 @@ def train(
     algo: Annotated[str, typer.Option(help="Learning algorithm: ppo or sac.")] = "ppo",
     steps: Steps = 500_000,
     seed: Annotated[int, typer.Option(min=0, help="Random seed; the same seed gives the same result.")] = 0,
-    envs: Annotated[int, typer.Option(min=1, max=65536, help="Number of parallel environments.")] = 8,
+    envs: Annotated[int, typer.Option(min=1, max=65536, help="Number of infants that learn side by side.")] = 8,
     steps_per_episode: StepsPerEpisode = None,
     checkpoint_every: CheckpointEvery = None,
     assignments: Assignments = None,
@@ -80,7 +81,7 @@ def train(
     device: Device = "cpu",
     force: Force = False,
 ) -> None:
-    """Train a policy for the infant; run the same command again to resume an interrupted training."""
+    """Train a policy for an infant, or one for all of a world; run the same command again to resume it."""
     from mimoc import training
     from mimoc.cli import training_output
     from mimoc.training.settings import check_envs, parse
@@ -89,7 +90,7 @@ def train(
     others |= {"threads": threads, "processes": processes, "force": force, "device": device}
     others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": checkpoint_every}
     check_envs(envs, device)
-    bundle = load_infant(infant)
+    bundle: Any = worlds.find_world(infant) or load_infant(infant)
     others |= {"hyper": parse(algo, assignments or [], device), "task": import_object(task) if task else None}
     with training_output.shown() as show, resumable(out / "policy.zip"):
         others |= {"progress": show.report, "on_row": show.on_row}

@@ -2,24 +2,23 @@
 
 import sys
 import webbrowser
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page
+from mimoc.cli import worlds
 from mimoc.cli.arguments import load_infant, load_trained
+from mimoc.cli.run import open_env, policies_by_infant
 from mimoc.cli.terminal import printable
-
-if TYPE_CHECKING:
-    from mimoc.bundle.io import Bundle
 
 Shown = Annotated[
     Path,
     typer.Argument(
-        metavar="INFANT|RECORDING", help="Bundle, spec (.yaml, or `-` for standard input) or recording to show."
+        metavar="INFANT|WORLD|RECORDING",
+        help="Bundle, spec (.yaml, or `-` for standard input), world or recording to show.",
     ),
 ]
 Number = Annotated[
@@ -44,13 +43,16 @@ def view(
     infant: Annotated[int | None, typer.Option(min=0, help="Show this one of several recorded infants.")] = None,
     episode: Number = None,
     live: Live = False,
-    policy: Annotated[str, typer.Option(help="What it does with --live; see `mimoc run`.")] = "random",
+    policy: Annotated[
+        list[str] | None, typer.Option(metavar="POLICY", help="What it does with --live; see `mimoc run`.")
+    ] = None,
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of this machine for --live.")] = 8080,
 ) -> None:
-    """Write a page that shows the infant in 3D in any browser: one file, which needs no server and no network.
+    """Write a page that shows infants in 3D in any browser: one file, which needs no server and no network.
 
-    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints.
-    The page of a recording replays an episode, with what the infant felt and saw.
+    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints; on
+    that of a world, the infant that is chosen, with the others around it. The page of a recording replays an episode,
+    with what the infant felt and saw.
     """
     from mimoc.cli import console
     from mimoc.render.opengl import has_screen
@@ -63,12 +65,12 @@ def view(
     if live:
         if is_recording:
             raise MimocError(f"{shown}: --live runs an infant; name a bundle or a spec instead of a recording")
-        _serve(load_infant(shown), policy, port, opens)
+        _serve(shown, policy, port, opens)
         return
     if file is None:
         raise MimocError("say where to write the page with -o FILE.html, or serve a running infant with --live")
     check_page(file)
-    source = shown if is_recording else load_infant(shown)
+    source = shown if is_recording else worlds.find_world(shown, physics=physics) or load_infant(shown)
     with console.progress("replaying" if is_recording else "growing") as show:
         page = viewing.view(source, file, physics=physics, infant=infant, episode=episode, progress=show)
     if page.difference:
@@ -83,16 +85,16 @@ def _in_a_terminal() -> bool:
     return sys.stdout.isatty()
 
 
-def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:
-    """Run an infant under a policy and serve what it does."""
-    from mimoc.policies.class_policy import class_or_text
-    from mimoc.policies.named import policy_of
+def _serve(shown: Path, policy: list[str] | None, port: int, open_page: bool) -> None:
+    """Run an infant, or those of a world, under a policy and serve what they do."""
     from mimoc.policies.rollout import Run
-    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.infants import infants_of
     from mimoc.viewer.live import LiveView
 
-    run = Run(InfantEnv(infant), partial(policy_of, policy=class_or_text(policy), load=load_trained), seed=0)
-    with LiveView(run.env, port) as live:
+    env = open_env(worlds.find_world(shown) or load_infant(shown), None)
+    chosen = policies_by_infant(policy, shown, None, infants_of("view", env))
+    run = Run(env, chosen, seed=0, load=load_trained)
+    with LiveView(next(iter(run.infants.values())), port) as live:
         print(f"{live.address}   (Ctrl-C ends it)", flush=True)
         if open_page:
             webbrowser.open(live.address)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import typer
 
 from mimoc.base.errors import MimocError
-from mimoc.cli.arguments import STDIN
 from mimoc.cli.terminal import FAILED_CHECK, printable
 
 if TYPE_CHECKING:
+    from mimoc.bundle.io import Bundle
     from mimoc.bundle.world import WorldBundle
     from mimoc.render.portrait import Framing
     from mimoc.render.renderer import Shown
@@ -30,24 +30,13 @@ def find_world(path: Path, scene_seed: int | None = None, **refused: object) -> 
         BundleError: If the bundle of a world is damaged.
         MimocError: If it is a world, and such an option was given.
     """
-    from mimoc.bundle.world import is_world_folder, read_world_bundle
-    from mimoc.compiler.loading import SPEC_SUFFIXES
-    from mimoc.schema import source
-    from mimoc.schema.world import in_scene, is_world, read_world
+    from mimoc.compiler.world_sources import world_of
 
-    if path.suffix.lower() in SPEC_SUFFIXES:
-        written = source.read(path) if path != STDIN and path.is_file() else None
-        if written is None or not is_world(written.data):
-            return None
-        _refuse(refused)
-        from mimoc.compiler.worlds import build_world
-
-        plan = read_world(written)
-        return build_world(plan if scene_seed is None else in_scene(plan, scene_seed))
-    if not is_world_folder(path):
-        return None
-    _refuse(refused)
-    return read_world_bundle(path)
+    world = world_of(path, scene_seed)
+    for name, given in refused.items() if world else ():
+        if given is not None and given is not False:
+            raise MimocError(f"--{name} {NEEDS_ONE}")
+    return world
 
 
 def write(world: "WorldBundle", out: Path, *, force: bool) -> None:
@@ -98,7 +87,19 @@ def draw(
     print(printable(write_picture(file, world_portrait(world, pose, *size_px, markers, body, framing))))
 
 
-def _refuse(options: dict[str, object]) -> None:
-    for name, given in options.items():
-        if given is not None and given is not False:
-            raise MimocError(f"--{name} {NEEDS_ONE}")
+def infant_of(world: "WorldBundle", name: str | None) -> "Bundle":
+    """Return the infant of a world that has a name, or the first one."""
+    from mimoc.base.errors import check_name
+
+    if name is not None:
+        check_name("name of an infant of this world", name, world.infants)
+    return world.infants[name or next(iter(world.infants))]
+
+
+def counterpart(world: "WorldBundle", beside: str) -> "WorldBundle":
+    """Return the world whose infants are the `healthy` counterparts of those in another."""
+    from mimoc.compiler.world_variants import plan_of_bundle
+    from mimoc.compiler.worlds import build_world
+    from mimoc.schema.counterparts import world_counterpart
+
+    return build_world(world_counterpart(plan_of_bundle(world), beside))

@@ -52,6 +52,7 @@ from mimoc.compiler.provenance import (
     trace_task,
     trace_world,
 )
+from mimoc.compiler.scenes.footprint import footprint
 from mimoc.compiler.task_setup import TaskSetup
 from mimoc.fits import load_tables
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
@@ -82,6 +83,12 @@ class Builder:
     manifest: Manifest
     """The manifest, without the fields that depend on the seed."""
     has_skin: bool
+
+    @cached_property
+    def covered(self) -> npt.NDArray[np.float64]:
+        """The floor that the infant at the origin covers in all its poses, and its task: discs, shape (n, 3), [m]."""
+        discs = footprint(self.tree, [pose.qpos for pose in self.infant.keyframes])
+        return np.concatenate([discs, np.reshape(self.task_setup.taken, (-1, 3))])
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:

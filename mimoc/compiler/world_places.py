@@ -25,7 +25,6 @@ from mimoc.compiler.mjcf.world import FreeObject, Lock, Persona, Weld
 from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose
 from mimoc.compiler.scenes.built_scene import Placement
-from mimoc.compiler.scenes.footprint import footprint
 from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
 from mimoc.schema.world import WorldPlan
 
@@ -57,18 +56,12 @@ class InfantPart:
     """Floor that it covers in all its poses, and its task: discs, shape (n, 3), [m]."""
 
 
-def covered(builder: Builder) -> FloatArray:
-    """Return the floor that an infant at the origin covers in all its poses, and its task: discs, shape (n, 3), [m]."""
-    discs = footprint(builder.tree, [pose.qpos for pose in builder.infant.keyframes])
-    return np.concatenate([discs, np.reshape(builder.task_setup.taken, (-1, 3))])
-
-
 def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Placement]:
     """Return where each infant of a world is: as its file says, or side by side along y, centimetres rounded up."""
     yaws = [deg_to_rad(item.yaw_deg % 360.0) for item in plan.spec.placed]
     turned = zip(builders.values(), yaws, strict=True)
     # Where the middles of infants, each of which covers discs around its own, are along y in a row, [cm].
-    infants = [place_discs(covered(one), Placement(0.0, 0.0, yaw)) for one, yaw in turned]
+    infants = [place_discs(one.covered, Placement(0.0, 0.0, yaw)) for one, yaw in turned]
     ends = [((discs[:, 1] - discs[:, 2]).min(), (discs[:, 1] + discs[:, 2]).max()) for discs in infants]
     middles_cm, end_cm = [], 0
     for low_m, high_m in ends:
@@ -133,7 +126,7 @@ def part_of(builder: Builder, place: Placement, prefix: str) -> InfantPart:
         furniture=prefixed(furniture, prefix),
         locks=tuple(prefixed(item, prefix) for item in lock(locked_joints(spec, tree, setup), tree, state)),
         welds=tuple(prefixed(item, prefix) for item in weld(holds(spec, tree, setup), tree, state)),
-        taken=place_discs(covered(builder), place),
+        taken=place_discs(builder.covered, place),
     )
 
 

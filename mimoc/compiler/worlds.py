@@ -39,6 +39,7 @@ from mimoc.compiler.placing import (
     assets_of_scene,
     discs_of,
     missing_offers,
+    place_discs,
     surroundings,
     toys_around,
 )
@@ -205,7 +206,7 @@ def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = Non
     _check_options(plan, builders)
     relative, scene = places_of(plan, builders), plan.spec.scene
     assets = assets_of_scene(scene, plan.written)
-    discs = np.concatenate([part_of(builders[name], relative[name], "").taken for name in builders])
+    discs = np.concatenate([place_discs(builders[name].covered, place) for name, place in relative.items()])
     largest = max(builders.values(), key=lambda one: length_m(one.tree))
     build = function_of(SCENES[scene.kind].build, "build")
     around: BuiltScene = build(scene, Occupant(largest.tree, discs), assets.wallpapers)
@@ -386,6 +387,10 @@ def _notes(built: BuiltWorld) -> Iterator[str]:
         if ignored := sorted(key for key in given if getattr(spec.scene, key) != getattr(around, key)):
             keys = " and ".join(f"scene.{key}" for key in ignored)
             yield f"'{keys}' of '{name}' has no effect: it is in the scene of this world"
+    adult = built.plan.spec.scene.caregiver
+    voices = [spec.actuation.voice for spec in built.plan.infants.values() if spec.actuation.voice]
+    if adult and adult.answers and adult.answers.to == "vocalisation" and not voices:
+        yield "'scene.caregiver.answers' has no effect: no infant has a voice, actuation.voice"
     yield from notes_on_shapes(built.toys, built.things)
 
 

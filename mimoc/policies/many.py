@@ -1,6 +1,6 @@
-"""Policies of many infants: from the name of a policy, or a sum of names, to the actions of a vector environment."""
+"""Policies of all infants of an environment: from the name of a policy, or a sum of names, to their actions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,27 +8,37 @@ import numpy as np
 from mimoc.base.errors import PolicyError
 from mimoc.base.kinds import function_of
 from mimoc.policies.batch import Batch, batch_of
-from mimoc.policies.named import Loader, policy_of, summed
+from mimoc.policies.named import Loader, Policies, policies_of, policy_of, summed
 from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
 from mimoc.policies.silent import limits_of, with_silence
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infants import infants_of
+from mimoc.runtime.sense import Observation
+from mimoc.runtime.world_env import WorldEnv
 
 
-def policy_vec(policy: str | PolicyMaker, envs: Any, load: Loader | None = None) -> BatchPolicy:
-    """Return a policy for all infants of a vector environment.
+def policy_vec(policy: Policies, envs: Any, load: Loader | None = None) -> Any:
+    """Return a policy for all infants of an environment, which takes observations and gives actions in its form.
 
-    The law: on the CPU, row i of its actions is, to the bit, the action of the single infant i under the same policy,
-    with the same generator and observations. On a device it is the same in single precision.
+    Of a vector environment, these have a row for each infant, and there is a generator for each. The law: on the CPU,
+    row i of its actions is, to the bit, the action of the single infant i under the same policy, with the same
+    generator and observations. On a device it is the same in single precision.
 
     Where episodes end, call `reset` with the rows of the infants that begin again, a boolean array of shape (n,),
     before the next action: a policy such as `reflexes` then forgets what they sensed. With the autoreset mode
     `NextStep`, an action is drawn and not used for an infant that has ended; with `SameStep` and `Disabled`, nothing is
     drawn in vain, and all is as for a single infant.
 
+    Of a world, generators, observations and actions are by the names of infants, and `reset` takes the names of those
+    that begin again. Of one infant, there is one of each, and `reset` takes nothing.
+
     Args:
         policy: A name, a name with its argument, or a sum of names, as for `policy_of`; or a function from a single
-            environment to its policy, which acts for one infant after another.
-        envs: The vector environment, of `mimoc.make_vec`; on a device with arrays of NumPy or torch.
+            environment to its policy, which acts for one infant after another. Or such policies by the names of
+            infants, which in a vector environment are their numbers, as text.
+        envs: The environment, of `mimoc.make`, `mimoc.make_parallel`, or `mimoc.make_vec`; on a device with arrays of
+            NumPy or torch.
         load: Loads trained policies, such as `mimoc.load_policy`.
 
     Raises:
@@ -47,7 +57,13 @@ def policy_vec(policy: str | PolicyMaker, envs: Any, load: Loader | None = None)
         ...     policy.reset(ended | cut)
         >>> envs.close()
     """
-    batch = batch_of(envs)
+    inside = getattr(envs, "unwrapped", envs)
+    if isinstance(inside, (InfantEnv, WorldEnv)):
+        policies = policies_of(infants_of("policy_vec", envs), policy, load)
+        return ByName(policies) if isinstance(inside, WorldEnv) else Single(policies[""])
+    batch = batch_of(inside)
+    if isinstance(policy, Mapping):
+        return OneByOne([*policies_of(infants_of("policy_vec", envs), policy, load).values()])
     if not isinstance(policy, str):
         return SumOfMany(batch, [_one_by_one(batch, policy, "a function of your own")])
     together, others = told_apart(parse_policy(policy))
@@ -56,6 +72,41 @@ def policy_vec(policy: str | PolicyMaker, envs: Any, load: Loader | None = None)
         text = "+".join(part.text for part in together)
         policies.insert(0, _one_by_one(batch, lambda env: policy_of(env, text), f"'{text}'"))
     return SumOfMany(batch, policies)
+
+
+class Single:
+    """The policy of the only infant of an environment."""
+
+    def __init__(self, policy: Policy):
+        """Take it."""
+        self._policy = policy
+
+    def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
+        """Return the action, shape (n,)."""
+        return self._policy(generator, observation)
+
+    def reset(self) -> None:
+        """Begin an episode."""
+        start_again(self._policy)
+
+
+class ByName:
+    """Policies of the infants of a world, by name."""
+
+    def __init__(self, policies: Mapping[str, Policy]):
+        """Take the policy of each infant."""
+        self._policies = policies
+
+    def __call__(
+        self, generators: Mapping[str, np.random.Generator], observations: Mapping[str, Observation]
+    ) -> dict[str, np.ndarray]:
+        """Return the action of each infant that observes something, shape (n,)."""
+        return {name: self._policies[name](generators[name], seen) for name, seen in observations.items()}
+
+    def reset(self, names: Iterable[str]) -> None:
+        """Let some infants begin an episode."""
+        for name in names:
+            start_again(self._policies[name])
 
 
 class SumOfMany:

@@ -1,6 +1,6 @@
 """From the name of a policy, or a sum of names, to the policy of an infant."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -69,13 +69,18 @@ def policies_of(infants: Mapping[str, Infant], policy: Policies, load: Loader | 
         UnknownNameError: If there is no such policy or infant.
         PolicyError: If the text is no policy otherwise, or a policy does not fit its infant.
     """
+    return {name: policy_of(infants[name], chosen, load) for name, chosen in by_infant(policy, infants).items()}
+
+
+def by_infant(policy: Policies, names: Collection[str]) -> dict[str, str | PolicyMaker]:
+    """Return which policy each infant has, by name, or raise an UnknownNameError; see `policies_of`."""
     if isinstance(policy, str):
-        policy = parse_policies(policy, infants)
+        policy = parse_policies(policy, names)
     if not isinstance(policy, Mapping):
-        policy = dict.fromkeys(infants, policy)
+        return dict.fromkeys(names, policy)
     for name in policy:
-        check_name("name of an infant of this world", name, infants)
-    return {name: policy_of(infant, policy.get(name, AT_REST), load) for name, infant in infants.items()}
+        check_name("name of an infant of this world", name, names)
+    return {name: policy.get(name, AT_REST) for name in names}
 
 
 class Sum:

@@ -3,13 +3,14 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
 
 from mimoc.base.units import ms_to_s
-from mimoc.policies.named import Loader, Policies, policies_of
+from mimoc.policies.named import Loader, Policies, by_infant, policy_of
 from mimoc.policies.policy import Policy, begin, episode_limit_of, metrics_of, start_again
 from mimoc.policies.starting import check_apart
 from mimoc.runtime.infant import Infant
@@ -56,11 +57,10 @@ def rollout(
 ) -> Iterator[Step]:
     """Reset an environment, and yield the start of each episode and every control step of each infant.
 
-    With *episodes*, episode e is reset with `seed + e`, and its policy draws from a generator of that seed, so that it
-    is the same whatever was before; a vector environment goes through them side by side, episode e in row e % n.
-    Otherwise only the first reset has a seed, and all random numbers go on from there: infant i draws from `seed + i`.
-    A policy is bound to its infant once: before the first of *episodes*, otherwise after the first
-    reset. While a step is looked at, nothing has been reset yet.
+    With *episodes*, episode e is reset with `seed + e`, and a policy is bound anew and draws from a generator of that
+    seed, so that the episode is the same whatever was before. A vector environment goes through them side by side,
+    episode e in row e % n. Otherwise only the first reset has a seed, after which policies are bound, and all random
+    numbers go on from there: infant i draws from `seed + i`. While a step is looked at, nothing has been reset yet.
 
     Args:
         env: The environment of one infant, a world, or a vector environment on the CPU, however it is wrapped; the
@@ -120,13 +120,9 @@ class Rollout:
         self._generators = dict[str, np.random.Generator]()
         self.observations = dict[str, Observation]()
         """What each infant observes."""
-        seeds = {group.names: self._seed_of(group, is_first=True) for group in self._groups}
-        if episodes is None:
-            observed = self._stage.reset(seeds)  # Policies take their aims from how it starts.
-            self.policies = policies_of(self.infants, policy, load)
-        else:
-            self.policies = policies_of(self.infants, policy, load)
-            observed = self._stage.reset(seeds)
+        self._chosen, self._load = by_infant(policy, self.infants), load and cache(load)
+        observed = self._stage.reset({group.names: self._seed_of(group, is_first=True) for group in self._groups})
+        self.policies = {name: self._bound(name) for name in self.infants}  # Their aims depend on how it starts.
         around = getattr(getattr(env, "spec", None), "max_episode_steps", None) or math.inf
         for group in self._groups:
             limits = [episode_limit_of(self.policies[name]) for name in group.names]
@@ -135,6 +131,14 @@ class Rollout:
         """Wall time of the simulation."""
         self.started = self._begin([group for group in self._groups if group.goes_on], observed)
         """The starts of the first episodes."""
+
+    def _bound(self, name: str) -> Policy:
+        return policy_of(self.infants[name], self._chosen[name], self._load)
+
+    def name_of(self, name: str) -> str:
+        """Return what an infant is called in its own world; empty for one that is alone there."""
+        infant = self.infants[name]
+        return next(called for called, other in infant.simulation.infants.items() if other is infant)
 
     def ends(self, name: str) -> bool:
         """Return whether something ends the episodes of an infant."""
@@ -182,6 +186,9 @@ class Rollout:
         if not over or not any(group.goes_on for group in self._groups):
             return []
         observed = self._stage.reset({group.names: self._seed_of(group, is_first=False) for group in over})
+        if self._episodes is not None:
+            for name in (name for group in over if group.goes_on for name in group.names):
+                self.policies[name] = self._bound(name)
         return self._begin([group for group in over if group.goes_on], observed)
 
     def _seed_of(self, group: "_Group", is_first: bool) -> int | None:
@@ -357,8 +364,10 @@ Stepped = Mapping[str, tuple[Observation, float, bool, dict[str, Any]]]
 class _Stage(Protocol):
     """An environment as it is run: everything by infant."""
 
-    groups: Sequence[tuple[str, ...]]
-    """Names of infants that begin their episodes together."""
+    @property
+    def groups(self) -> Sequence[tuple[str, ...]]:
+        """Names of infants that begin their episodes together."""
+        ...
 
     def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
         """Begin an episode of some groups."""
@@ -404,16 +413,23 @@ class _World:
 
 
 class _Rows:
-    """Infants side by side, each in a world of its own."""
+    """Infants side by side, each in a world of its own, or several in each world."""
 
     def __init__(self, envs: Any, infants: Mapping[str, Infant]):
         self._envs, self._names = envs, tuple(infants)
-        self.groups = tuple((name,) for name in infants)
+        worlds = dict[int, tuple[str, ...]]()
+        for name, infant in infants.items():
+            worlds[id(infant.simulation)] = (*worlds.get(id(infant.simulation), ()), name)
+        self.groups = tuple(worlds.values())
         self._rest = np.clip(0.0, envs.action_space.low, envs.action_space.high).astype(np.float32)
 
     def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
-        rows = [seeds.get((name,)) for name in self._names]
-        mask = np.array([(name,) in seeds for name in self._names])
+        by_row = {
+            name: None if seed is None else seed + number
+            for names, seed in seeds.items()
+            for number, name in enumerate(names)
+        }
+        rows, mask = [by_row.get(name) for name in self._names], np.array([name in by_row for name in self._names])
         observations, infos = self._envs.reset(seed=rows, options={"reset_mask": mask})
         return {
             name: ({sense: readings[row] for sense, readings in observations.items()}, info_of(infos, row))

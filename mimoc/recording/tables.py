@@ -323,7 +323,7 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
         packed = [group.column(index) for group in groups for index in range(group.num_columns)]
         numbers = sum(max(column.num_values, column.total_uncompressed_size // 8) for column in packed)
         _check_packed(numbers, MOST_RATIO * size)
-        table = file.read()
+        table = file.read(use_threads=False)  # Threads of PyArrow can outlive Python, which ends in an abort.
         check_rows(table, described, first_step)
         dense = max((reading.size for reading in described.readings if reading.kind == "sparse"), default=0)
         _check_packed(dense * len(table), MOST_DENSE_RATIO * size)

@@ -159,7 +159,7 @@ class Simulation:
             self._become(variant)
         for name, infant in self.infants.items():
             infant.binding.arousal.level = given[name].get(AROUSAL, infant.manifest.actuation.arousal)
-        self._start(poses, elsewhere)
+        self._start(poses, elsewhere, check=bool(poses or variant))
         if variant:
             self.renderer.start_again(self.bare, self.data)
         self.renderer.show()
@@ -396,15 +396,18 @@ class Simulation:
         poses: Mapping[str, str] = NOTHING,
         elsewhere: Mapping[str, Pose] = NOWHERE,
         chance: np.random.Generator | None = None,
+        *,
+        check: bool = False,
     ) -> None:
         """Put infants into the poses of keyframes, at rest, and objects elsewhere, and start their tasks.
 
-        Tasks draw from *chance*, by default from the random numbers of each infant.
+        Tasks draw from *chance*, by default from the random numbers of each infant. With *check*, infants that are
+        within each other are an error.
         """
         model, data, infants = self.bare, self.data, list(self.infants.values())
         growing.put(poses, self._variant, data)
         infants[0].binding.objects.start(data, elsewhere)
-        if poses and len(infants) > 1:
+        if check and len(infants) > 1:
             self._check_apart()
         mujoco.mj_kinematics(model, data)
         for infant in infants:
@@ -420,7 +423,9 @@ class Simulation:
         roots = [infant.manifest.root_body for infant in self.infants.values()]
         if depths := overlaps(self.bare, self.data, roots):
             first, second = ([*self.infants][index] for index in next(iter(depths)))
-            raise MimocError(f"'{first}' and '{second}' are within each other in these poses; reset to others")
+            raise MimocError(
+                f"'{first}' and '{second}' are within each other in these poses, at these ages; reset to others"
+            )
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         """Restore a state of the infants that are bound, which is not kept."""

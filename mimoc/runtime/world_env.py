@@ -164,7 +164,7 @@ class WorldEnv:
             UnknownNameError: If there is no such infant, pose, object or option.
             TypeError: If options are no dictionary.
             ValueError: If the seed is not a non-negative integer, or an age, an arousal or a place is none.
-            MimocError: If there is no such infant; or if infants are within each other in these poses, and no episode
+            MimocError: If there is no such infant; or if infants are within each other as they start, and no episode
                 is on then.
         """
         of_infants, scene_seed = self._split(growing.options_given(options))

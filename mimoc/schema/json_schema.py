@@ -23,6 +23,8 @@ ABOUT = ("description", "default")
 VERSION = 1
 """Of the language: the value of the key `mimoc`."""
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+ONE_OF_SEVERAL = "infant"
+"""A key of sections in a scene that only worlds with several infants have."""
 NOTHING = {"type": "null"}
 """What pydantic lets optional keys be; a file leaves them out instead."""
 
@@ -38,7 +40,11 @@ def json_schema(of: str = "infant") -> dict[str, Any]:
     if of not in FILES:
         raise UnknownNameError("kind of files", of, FILES)
     keys, title = FILES[of]
-    return {"$schema": DIALECT, **_stricter(language_of(keys).schema), "title": title}
+    schema = {"$schema": DIALECT, **_stricter(language_of(keys).schema), "title": title}
+    if of == "infant":
+        for section in schema["$defs"].values():
+            section.get("properties", {}).pop(ONE_OF_SEVERAL, None)
+    return schema
 
 
 def shipped_schema(of: str = "infant") -> Path:

@@ -1,6 +1,7 @@
 """Evaluation of a policy, episode by episode."""
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,10 +9,10 @@ import numpy as np
 
 from mimoc.base.errors import TrainingError, UnknownNameError
 from mimoc.base.units import ms_to_s
-from mimoc.policies.rollout import Policies, Rollout
+from mimoc.policies.named import Policies
+from mimoc.policies.rollout import Rollout
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray
-from mimoc.runtime.world_env import WorldEnv
 from mimoc.training.loading import load_policy
 
 
@@ -32,6 +33,11 @@ class Episode:
     path_m: FloatArray | None
     """Positions of the tracked body at the start and after each control step, shape (steps + 1, 3), world frame."""
 
+    @property
+    def time_to_success_s(self) -> float | None:
+        """Simulated time to success; None if the episode was not successful."""
+        return self.duration_s if self.success else None
+
 
 def evaluate(
     env: Any,
@@ -40,6 +46,7 @@ def evaluate(
     seed: int = 0,
     follow: str | None = None,
     steps_per_episode: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Any:
     """Run a policy for a number of episodes and return their outcomes.
 
@@ -48,7 +55,7 @@ def evaluate(
     Args:
         env: An environment from `mimoc.make`, `make_parallel` or, on the CPU, `make_vec`; it is not closed. A vector
             environment runs its episodes side by side, episode i with infant i % n. If its infants are alike, the
-            result is the same, to the bit, as of one infant.
+            result is the same, to the bit, as of one infant; in worlds of several, episode i is of world i % n.
         policy: Name of a policy, such as `random`, the path of a trained one, a sum of these
             (`policy.zip+reflexes`), or a trained policy from `load_policy`; in a world also a policy for each infant by
             name, where those that are not named command nothing.
@@ -57,9 +64,10 @@ def evaluate(
         follow: Name of a body, such as `right_fingers`, whose path is recorded.
         steps_per_episode: Control steps after which an episode ends, unless the task ends it earlier; by default as in
             the training of the policy, or as `max_episode_steps` of the environment says.
+        progress: Called with the number of episodes done, and of all.
 
     Returns:
-        A list of `Episode`, one for each seed; of a world, a dictionary with the list of each infant, by its name.
+        A list of `Episode`, one for each seed; of worlds, a dictionary with the list of each infant, by its name.
 
     Raises:
         UnknownNameError: If there is no such policy, infant or body.
@@ -83,20 +91,23 @@ def evaluate(
                 f"the episodes of '{infant.manifest.name}' do not end; give steps_per_episode, or set task.steps in "
                 "its spec"
             )
-    gathered = defaultdict[tuple[int, str], _Gathered](_Gathered)
+    names = {name: run.name_of(name) for name in run.infants}
+    gathered, done = defaultdict[tuple[int, str], _Gathered](_Gathered), 0
     for step in run.go():
         course = gathered[step.episode, step.infant]
         course.total_reward, course.steps, course.success = course.total_reward + step.reward, step.number, step.success
         if body := bodies[step.infant]:
             course.path_m.append(run.infants[step.infant].data.body(body).xpos.copy())
+        if step.ended:
+            done += 1
+            progress(done, episodes * len(set(names.values())))
     outcomes = dict[str, list[Episode]]()
     for (number, name), course in sorted(gathered.items(), key=lambda item: item[0][0]):
-        infant = name if isinstance(run.env, WorldEnv) else ""
         duration_s = ms_to_s(course.steps * run.infants[name].manifest.step_ms)
         path_m = np.array(course.path_m) if follow else None
         episode = Episode(seed + number, course.steps, duration_s, course.total_reward, course.success, path_m)
-        outcomes.setdefault(infant, []).append(episode)
-    return outcomes if isinstance(run.env, WorldEnv) else outcomes.get("", [])
+        outcomes.setdefault(names[name], []).append(episode)
+    return outcomes.get("", []) if "" in names.values() else outcomes
 
 
 @dataclass(slots=True)

@@ -8,11 +8,12 @@ from typing import Any
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
 from mimoc.runtime.env import InfantEnv
 from mimoc.training.learner import Learner
 from mimoc.training.sb3_learner import sb3_learner
 from mimoc.training.settings import CPU, TrainingSettings
-from mimoc.training.vector_env import growth_of, make_vector_env
+from mimoc.training.vector_env import growth_of, infants_together, normalized, worlds_together
 
 LearnerOpener = Callable[[], AbstractContextManager[Learner]]
 """Opens parallel environments, and what learns from them."""
@@ -21,8 +22,8 @@ LearnerOpener = Callable[[], AbstractContextManager[Learner]]
 def choose_learner(
     settings: TrainingSettings,
     infant: InfantEnv,
-    bundle: Bundle,
-    open_one: Callable[..., InfantEnv],
+    bundle: Bundle | WorldBundle,
+    open_one: Callable[..., Any],
     threads: int | None,
     processes: bool | None,
     record: str | Path | None,
@@ -38,7 +39,12 @@ def choose_learner(
 
         check_on_device(settings.device, infant)
         return partial(device_learner, settings, infant, open_one)
-    open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
+    growth = growth_of(bundle, settings)
+    if isinstance(bundle, WorldBundle):
+        open_rows: Any = partial(worlds_together, open_one, settings, len(bundle.infants), growth, threads)
+    else:
+        open_rows = partial(infants_together, open_one, settings, growth, threads, processes)
+    open_envs = partial(normalized, open_rows, settings)
     return partial(sb3_learner, settings, infant, open_envs, record)
 
 
@@ -48,6 +54,18 @@ ONLY_ON_CPU = {
     "threads": "threads are for infants on the CPU; leave out --threads, or --device",
     "processes": "processes are for infants on the CPU; leave out --processes and --one-process, or --device",
 }
+
+
+def refuse_in_world(device: str, processes: bool | None) -> None:
+    """Check that nothing is asked for that worlds of several infants cannot have in a training.
+
+    Raises:
+        TrainingError: If something is.
+    """
+    if device != CPU:
+        raise TrainingError("worlds with several infants are simulated on the CPU; leave out --device")
+    if processes is not None:
+        raise TrainingError("worlds of a training are in one process; leave out --processes and --one-process")
 
 
 def refuse_on_device(device: str, **options: Any) -> None:

@@ -13,6 +13,7 @@ from mimoc.base.errors import BundleError, MimocError, OutputError, TrainingErro
 from mimoc.bundle.files import check_unlinked, discard, make_folder, remove, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
+from mimoc.bundle.world import WorldBundle, is_world_folder, read_world_bundle
 from mimoc.policies.archive import MOST_BYTES
 from mimoc.recording.folder import digest, lock_folder, versions
 from mimoc.schema.base import Model
@@ -20,6 +21,7 @@ from mimoc.schema.quantities import Plain, bounded
 from mimoc.training.curve import Curve
 from mimoc.training.settings import CPU, TrainingSettings
 
+AnyBundle = Bundle | WorldBundle
 RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "curve.csv", "curve.png"
 CHECKPOINTS, BUNDLE = "checkpoints", "bundle"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "torch", "stable_baselines3")
@@ -83,17 +85,27 @@ def read_training_run(path: Path) -> tuple[RunFile, Curve]:
         raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
 
 
-def read_run_bundle(path: Path) -> Bundle:
-    """Return the infant of the training run in a folder, or raise a BundleError if it is damaged or a link."""
+def read_run_bundle(path: Path) -> AnyBundle:
+    """Return the infant or the world of the training run in a folder.
+
+    Raises:
+        BundleError: If it is damaged or a link.
+    """
     try:
-        return read_bundle(check_unlinked(path / BUNDLE, below=path))
+        place = check_unlinked(path / BUNDLE, below=path)
+        return read_world_bundle(place) if is_world_folder(place) else read_bundle(place)
     except OutputError as error:
         raise BundleError(str(error)) from None
 
 
 @contextmanager
 def open_run_folder(
-    out: str | Path, settings: TrainingSettings, bundle: Bundle, *, force: bool, origin: Mapping[str, Any] | None = None
+    out: str | Path,
+    settings: TrainingSettings,
+    bundle: Bundle | WorldBundle,
+    *,
+    force: bool,
+    origin: Mapping[str, Any] | None = None,
 ) -> Iterator[RunFolder]:
     """Open and lock the folder of a training run: a new or empty folder, or that of the same run, to resume it.
 
@@ -176,7 +188,11 @@ def _clear(path: Path) -> None:
 
 
 def _write_description(
-    path: Path, previous: RunFile | None, settings: TrainingSettings, bundle: Bundle, origin: Mapping[str, Any] | None
+    path: Path,
+    previous: RunFile | None,
+    settings: TrainingSettings,
+    bundle: Bundle | WorldBundle,
+    origin: Mapping[str, Any] | None,
 ) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
     sessions = [dict(session) for session in previous.sessions] if previous else []

@@ -1,5 +1,6 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from copy import deepcopy
@@ -7,31 +8,37 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import torch
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.variants import Variant, Variants, open_variant
+from mimoc.bundle.variants import Variant, Variants, WorldMaker, open_variant
+from mimoc.bundle.world import WorldBundle
 from mimoc.compiler import pipeline
+from mimoc.compiler.world_sources import world_of
 from mimoc.recording.folder import check_recordable
 from mimoc.render.plots.file import encode, require_matplotlib
 from mimoc.render.plots.learning import learning_sheet
+from mimoc.runtime.batch.gymnasium_forms import check_mixture
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infants import infants_of
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.world import WorldPlan
 from mimoc.training.checkpoint import Progress, read_progress
 from mimoc.training.curve import Curve, CurvePoint
 from mimoc.training.learner import DeviceUse, Learner
-from mimoc.training.learner_choice import LearnerOpener, choose_learner, refuse_on_device
+from mimoc.training.learner_choice import LearnerOpener, choose_learner, refuse_in_world, refuse_on_device
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import CPU, Number, TrainingSettings, check_learnable, episode_limit
 from mimoc.training.together import run_together
 from mimoc.training.tracking import tracked
 from mimoc.training.vector_env import growth_settings
 
-Source = Bundle | InfantSpec | str | Path
+Source = Bundle | InfantSpec | WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 ProgressCallback = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
 RowCallback = Callable[[CurvePoint], None]
@@ -57,7 +64,7 @@ class Training:
     """What it took of a device; None on the CPU."""
 
 
-@takes("a bundle, a spec, or the path of one", Bundle, InfantSpec, *PATH)
+@takes("a bundle, a spec, or the path of one", Bundle, InfantSpec, WorldBundle, WorldPlan, Mapping, *PATH)
 def train(
     source: Source,
     out: str | Path,
@@ -85,6 +92,8 @@ def train(
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
+    All infants of a world learn one policy, a row each, and must observe and command the same. When the episode of one
+    ends, so do those of the others in its world.
     Bundle and settings determine the result, to the bit on the same type of machine with the same software, even if
     the run is killed and resumed: each interval between two checkpoints starts with all environments reset and with a
     seed of its own. A finished run that is given more steps continues where it ended.
@@ -92,12 +101,13 @@ def train(
     Training sets torch's random state and limits torch to one thread, and sets numpy's global random state.
 
     Args:
-        source: A bundle, a bundle folder, or a spec; a path that ends in .yaml or .yml is that of a spec.
+        source: A bundle, a bundle folder, or a spec; a path that ends in .yaml or .yml is that of a spec. Or a world of
+            several infants, in any form that `mimoc.make_parallel` takes.
         out: Folder of the training run: new, empty, or that of the same run.
         algo: `ppo` or `sac`.
         steps: Control steps, summed over all environments; the last rollout is completed.
         seed: Random seed.
-        envs: Number of parallel environments.
+        envs: Number of parallel environments; of infants in worlds, rounded up to whole worlds.
         steps_per_episode: Control steps after which an episode is truncated; by default those of the task, or, with a
             warning, 500 if it has none.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose. By default 20,480, or one
@@ -112,8 +122,8 @@ def train(
         progress: Called with the number of steps done and their total.
         on_row: Called with each new row of the learning curve.
         task: An object whose rewards replace those of the task in the bundle, as for `mimoc.make`.
-        senses: Objects to sense with, by name, as for `mimoc.make`. The folder keeps only the names of the classes of
-            these objects: pass them again to resume the run.
+        senses: Objects to sense with, by name, as for `mimoc.make`; each infant has copies of these objects.
+            The folder keeps only the names of their classes: pass them again to resume the run.
         grow: Ages in months between which the infant grows over the training, such as `6:12`; None is not at all.
         schedule: In which order it has these ages: `grown`, `adult` (only the oldest), `reversed` or `shuffled`.
         grow_steps: Control steps that growth takes, summed over all environments; None is all of *steps*.
@@ -143,15 +153,26 @@ def train(
     """
     refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
-    choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
-    choose(steps_per_episode, device)  # Fails now if a setting is out of range.
-    bundle = pipeline.compiled(source)
-    open_one = partial(open_copy, open_variant(bundle), task, senses or {})
+    known = checkpoint_every, hyper or {}, custom, growth
+    choose = partial(TrainingSettings.choose, algo, steps, seed)
+    if world := world_of(source):
+        refuse_in_world(device, processes)
+        envs = -(-envs // len(world.infants)) * len(world.infants)
+    choose(envs, *known, steps_per_episode, device)  # Fails now if a setting is out of range.
+    bundle = world or pipeline.compiled(cast("Bundle", source))
+    if isinstance(bundle, WorldBundle):
+        open_one: Any = partial(open_world_copy, bundle, task, senses or {})
+    else:
+        open_one = partial(open_copy, open_variant(bundle), task, senses or {})
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
-    with closing(open_one()) as infant:
-        check_learnable(infant)
-        settings = choose(episode_limit(infant, steps_per_episode), device)
-        _check_recordable(record, processes, [bundle] * settings.envs)
+    with closing(open_one()) as env:
+        infants: list[Any] = [*infants_of("train", env).values()]
+        for one in infants:
+            check_learnable(one)
+        check_mixture(infants)
+        infant = min(infants, key=lambda one: one.max_steps or math.inf)
+        settings = choose(envs, *known, episode_limit(infant, steps_per_episode), device)
+        _check_recordable(record, processes, [bundle] * (settings.envs // len(infants)))
         open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
         session = Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder, one_thread():
@@ -169,7 +190,7 @@ class Session:
     on_row: RowCallback
 
 
-def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Bundle]) -> None:
+def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Any]) -> None:
     """Check that a training can be recorded in a folder, if it is, before anything is written."""
     if folder is None:
         return
@@ -188,6 +209,15 @@ def open_copy(
 ) -> InfantEnv:
     """Open one of the parallel environments, with a copy of the model and of a script's objects of its own."""
     return kind(infant.again(), variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
+
+
+def open_world_copy(
+    world: WorldBundle, task: Any, senses: Mapping[str, Any], variants: WorldMaker | None = None
+) -> WorldEnv:
+    """Open one of the worlds, in which each infant has copies of a script's objects of its own."""
+    tasks = {name: deepcopy(task) for name in world.infants} if task is not None else {}
+    of_infants = {name: deepcopy(dict(senses)) for name in world.infants}
+    return WorldEnv(world, tasks=tasks, senses=of_infants, variants=variants)
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """Parallel environments with normalised observations, for Stable-Baselines3, of infants that may grow."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -23,12 +24,15 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
+from mimoc.compiler.world_variants import WorldBundleVariants
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
 from mimoc.runtime.growth_wrapper import GrowthWrapper
 from mimoc.runtime.opening.environments import BundleVariants
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.training.settings import TrainingSettings
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
@@ -101,7 +105,23 @@ class InfantVecEnv(DummyVecEnv):
 
 def monitored(infants: BatchEnv) -> VecMonitor:
     """Return infants that are reset in the same step as Stable-Baselines3 wants them, with returns of episodes."""
-    return VecMonitor(InfantVecEnv(infants))
+    return Monitored(InfantVecEnv(infants))
+
+
+class Monitored(VecMonitor):
+    """Stable-Baselines3's `VecMonitor`, which can be copied and pickled."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the members of the class, which it keeps beside its own attributes."""
+        return {name: value for name, value in self.__dict__.items() if name != CLASS_ATTRIBUTES}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take them from the class again."""
+        vars(self).update(state, **{CLASS_ATTRIBUTES: dict(inspect.getmembers(type(self)))})
+
+
+CLASS_ATTRIBUTES = "class_attributes"
+"""Attribute of Stable-Baselines3's wrappers with the members of their class."""
 
 
 GROWN = "grown"
@@ -130,17 +150,22 @@ class Growth:
 
     schedule: GrowthSchedule
     """Their age by the control steps that each has taken."""
-    variants: BundleVariants
-    """The infant at each age."""
+    variants: BundleVariants | WorldBundleVariants
+    """The infant, or all of a world, at each age."""
 
 
-def growth_of(bundle: Bundle, settings: TrainingSettings) -> Growth | None:
+def growth_of(bundle: Bundle | WorldBundle, settings: TrainingSettings) -> Growth | None:
     """Return how the infants of a training grow, if they do, or raise a MimocError if an age cannot be built."""
     if not settings.growth:
         return None
-    growth, variants = settings.growth, BundleVariants(bundle)
+    growth, seed = settings.growth, bundle.manifest.seed
     ages_months = read_ages(growth["grow"])
-    youngest, oldest = (variants(age_months, bundle.manifest.seed) for age_months in ages_months)
+    if isinstance(bundle, WorldBundle):
+        variants: Any = WorldBundleVariants(bundle)
+        youngest, oldest = (variants(dict.fromkeys(bundle.infants, age), seed) for age in ages_months)
+    else:
+        variants = BundleVariants(bundle)
+        youngest, oldest = (variants(age_months, seed) for age_months in ages_months)
     check_same_body(youngest.model, oldest.model)
     steps = max(growth["grow_steps"] // settings.envs, 1)
     return Growth(growth_schedule(growth["schedule"], ages_months, steps, seed=settings.seed), variants)
@@ -156,23 +181,39 @@ def seek(env: VecNormalize, settings: TrainingSettings, steps_done: int) -> None
         env.env_method("seek", steps_done // settings.envs)
 
 
-def make_vector_env(
+def infants_together(
     open_env: Callable[..., InfantEnv],
     settings: TrainingSettings,
     growth: Growth | None,
     threads: int | None,
     processes: bool | None,
-) -> VecNormalize:
-    """Return the parallel environments of a training run; see `train` for *threads* and *processes*."""
+) -> VecEnv:
+    """Return the infants of a training run, a row each; see `train` for *threads* and *processes*."""
     openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
     limit = settings.steps_per_episode
     if processes is None:
         schedule = growth and growth.schedule
-        envs: VecEnv = InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
-    else:
-        alone: list[Callable[[], Any]] = [partial(_open_alone, opener, growth, limit) for opener in openers]
-        envs = SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
-    envs = VecMonitor(envs)
+        return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
+    alone: list[Callable[[], Any]] = [partial(_open_alone, opener, growth, limit) for opener in openers]
+    return SubprocVecEnv(alone) if processes else DummyVecEnv(alone)
+
+
+def worlds_together(
+    open_world: Callable[..., WorldEnv],
+    settings: TrainingSettings,
+    infants: int,
+    growth: Growth | None,
+    threads: int | None,
+) -> VecEnv:
+    """Return the infants of all worlds of a training run, a row each; each world has so many."""
+    openers = [partial(open_world, variants=growth.variants) if growth else open_world] * (settings.envs // infants)
+    schedule = growth and growth.schedule
+    return InfantVecEnv(BatchEnv(openers, threads, RESET_IN_THE_SAME_STEP, settings.steps_per_episode, schedule))
+
+
+def normalized(open_rows: Callable[[], VecEnv], settings: TrainingSettings) -> VecNormalize:
+    """Return the infants of a training run with returns of episodes, and with normalised observations."""
+    envs: VecEnv = VecMonitor(open_rows())
     spaces: Any = envs.observation_space
     if any(map(is_image_space, spaces.values())):  # SAC stores what comes before the normalisation.
         envs = VecTransposeImage(envs)

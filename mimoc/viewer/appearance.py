@@ -10,7 +10,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from mimoc.base.geometry.face_steps import STEP_M
-from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP, SOLIDS_GROUP
 from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.encoding import Places
@@ -127,9 +127,14 @@ def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray
     return order, shares.astype(np.uint8)
 
 
-def describe_surroundings(model: mujoco.MjModel, data: mujoco.MjData, parts: Own) -> dict[str, Any]:
-    """Return the geoms that are not the infant's *parts*, with their bodies where they are now."""
-    shown, bodies = _geoms(model, parts), bodies_around(model, parts)
+def describe_surroundings(
+    model: mujoco.MjModel, data: mujoco.MjData, parts: Own, *, solids: bool = False
+) -> dict[str, Any]:
+    """Return the geoms that are not the infant's *parts*, with their bodies where they are now.
+
+    With *solids*, those of other infants under their skins are there as well.
+    """
+    shown, bodies = _geoms(model, parts, solids), bodies_around(model, parts, solids=solids)
     mesh_of_geom = model.geom_dataid[shown]
     meshes = np.unique(mesh_of_geom[model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
     return {
@@ -159,10 +164,11 @@ def describe_surroundings(model: mujoco.MjModel, data: mujoco.MjData, parts: Own
     }
 
 
-def bodies_around(model: mujoco.MjModel, parts: Own) -> IntArray:
-    """Return the bodies with geoms that are not the infant's, sorted."""
-    return np.unique(model.geom_bodyid[_geoms(model, parts)])
+def bodies_around(model: mujoco.MjModel, parts: Own, *, solids: bool = False) -> IntArray:
+    """Return the bodies with geoms that are not the infant's, sorted; see `describe_surroundings`."""
+    return np.unique(model.geom_bodyid[_geoms(model, parts, solids)])
 
 
-def _geoms(model: mujoco.MjModel, parts: Own) -> IntArray:
-    return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), parts.geoms)
+def _geoms(model: mujoco.MjModel, parts: Own, solids: bool) -> IntArray:
+    shown = (model.geom_group <= LAST_VISIBLE_GROUP) | (solids & (model.geom_group == SOLIDS_GROUP))
+    return np.setdiff1d(np.flatnonzero(shown), parts.geoms)

@@ -6,20 +6,26 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.errors import MimocError
+from mimoc.bundle.io import Bundle
+from mimoc.compiler.pipeline import build
+from mimoc.compiler.variants import spec_of
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.replay_recording import chosen_episodes, replay_recording
 from mimoc.recording.video import SMALL, Mp4
-from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.filmed_points import points_of
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.page import Progress, describe, fill
+from mimoc.viewer.world_page import Place, composed, move_bodies, move_home, with_surroundings
 
 FRAMES = 3000
 """Frames of a page, at most: half a minute of every control step, or more of every other one and so on."""
@@ -49,17 +55,36 @@ def page_of_recording(
         MimocError: See `mimoc.viewer.page.page_of`.
     """
     episode = chosen_episodes(recording, infant, number)[0]
-    packed = EncodedArrays()
-    data = packed.put(describe(recording.bundle(episode.infant), physics))
-    replayed, difference = describe_episode(recording, episode, progress)
+    packed, bundle = EncodedArrays(), recording.bundle(episode.infant)
+    alone = build(spec_of(bundle)) if bundle.manifest.prefix else None
+    if alone and physics:
+        raise MimocError("physics on a page is that of a single infant, and this one shares its world with others")
+    data = packed.put(describe(alone or bundle, physics))
+    replayed, difference, model = describe_episode(recording, episode, progress, alone)
+    if alone:
+        replayed |= with_surroundings(data, replayed["surroundings"], model) | {"name": bundle.manifest.name}
     return fill({**data, **replayed}, packed), difference
 
 
 def describe_episode(
-    recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
-) -> tuple[dict[str, Any], str | None]:
-    """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
-    film = _Film(stride=-(-(episode.steps + 1) // FRAMES))
+    recording: ReadRecording,
+    episode: Episode,
+    progress: Progress = lambda *_: None,
+    alone: Bundle | None = None,
+) -> tuple[dict[str, Any], str | None, mujoco.MjModel]:
+    """Return what a page knows of an episode, which is simulated again.
+
+    Args:
+        recording: The recording.
+        episode: The episode.
+        progress: Called with how much is done, and how much there is to do.
+        alone: An infant that shares its world with others, as it is alone: the page shows it where it starts then, with
+            the others around it, as their solids.
+
+    Returns:
+        What the page knows, the first number that did not come out again, if any, and the first model.
+    """
+    film = _Film(-(-(episode.steps + 1) // FRAMES), alone)
     (replayed,) = replay_recording(
         recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
     )
@@ -78,7 +103,8 @@ def describe_episode(
             "points": points_of(recording.path) if (episode.infant, episode.number) == (0, 0) else None,
         },
     }
-    return data, str(replayed) if replayed.difference else None
+    assert film.model
+    return data, str(replayed) if replayed.difference else None, film.model
 
 
 @dataclass(slots=True)
@@ -87,26 +113,39 @@ class _Film:
 
     stride: int
     """Of how many control steps each frame is the first."""
+    alone: Bundle | None = None
+    """An infant that shares its world, as it is alone."""
+    model: mujoco.MjModel | None = None
+    """The first model."""
     surroundings: dict[str, Any] = field(default_factory=dict)
     frames: list[tuple[Array, float, str | None, Array]] = field(default_factory=list)
     """Configuration, age in months, expression, and places of the bodies around, shape (bodies, 7)."""
     felt: list[tuple[Array, Array]] = field(default_factory=list)
     """Skin points with any force, and its size, [N], as observed."""
     _own: Own | None = None
+    _move: Place | None = None
+    """Brings it from where it starts in its world to where it starts alone."""
     _row: int = 0
 
-    def __call__(self, env: InfantEnv, observation: Observation) -> None:
+    def __call__(self, env: Infant, observation: Observation) -> None:
         """Keep a frame, if it is due."""
         if self._own is None:
-            self._own = own_parts(env.model, env.manifest)
-            self.surroundings = describe_surroundings(env.model, env.data, self._own)
+            self.model, self._own = env.model, own_parts(env.model, env.manifest)
+            self.surroundings = describe_surroundings(env.model, env.data, self._own, solids=bool(self.alone))
+            if self.alone:
+                self._move = move_home(self.alone, env.bundle, env.model)
+                move_bodies(self.surroundings["bodies"], self._move)
         self._row += 1
         if (self._row - 1) % self.stride:
             return
-        bodies = bodies_around(env.model, self._own)
+        bodies = bodies_around(env.model, self._own, solids=bool(self.alone))
         around = np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1)
+        qpos = env.data.qpos[self._own.qpos]
+        if self._move is not None:
+            for place in (*around, qpos[:7]):
+                place[:] = np.concatenate(composed(self._move, (place[:3].copy(), place[3:].copy())))
         age_months, expression = env.manifest.child.age_months, expression_of(env.manifest, env.model)
-        self.frames.append((env.data.qpos[self._own.qpos], age_months, expression, around))
+        self.frames.append((qpos, age_months, expression, around))
         if "touch" in observation:
             forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
             touched = np.flatnonzero(forces_n)

@@ -16,7 +16,7 @@ import numpy as np
 
 from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
-from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.infant import Infant
 from mimoc.viewer.meshes import Colour, colour_of, coloured_faces, mesh_of, skin_of, texture_of
 
 HOST = "localhost"
@@ -136,8 +136,10 @@ class LiveView(AbstractContextManager["LiveView"]):
             live.show()
     """
 
-    def __init__(self, env: InfantEnv, port: int = PORT):
-        """Serve an environment, which has been reset, at a port of this machine, or the next free one if it is taken.
+    def __init__(self, env: Infant, port: int = PORT):
+        """Serve the environment of an infant, which has been reset, at a port of this machine.
+
+        If the port is taken, it is the next free one.
 
         Raises:
             MissingExtraError: If viser is not installed.

@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.errors import SpecError
 from mimoc.base.rounding import rounded
@@ -127,6 +128,27 @@ def describe(infant: Bundle, physics: bool = False, progress: Progress = lambda 
         "physics": describe_physics(simulated) if physics else None,
         "surroundings": describe_surroundings(model, data, own_parts(model, manifest)),
     }
+
+
+NOW = "now"
+"""The pose that an environment is in, on its page."""
+
+
+def with_posture(
+    about: dict[str, Any], packed: EncodedArrays, qpos: npt.NDArray[np.float64], length_cm: float
+) -> dict[str, Any]:
+    """Return what a page knows of an infant that is in a posture now; at other ages the same, as high as it is long.
+
+    Args:
+        about: What it knows, with arrays that are kept in *packed*.
+        packed: The arrays.
+        qpos: Of its root and its hinges, shape (7 + n,).
+        length_cm: The infant's length now.
+    """
+    lengths_cm = packed.arrays[about["standards"]["charts"]["length_cm"]["plot"]["lines"][-1]["y"]["array"]]
+    posture = np.tile(qpos, (len(lengths_cm), 1))
+    posture[:, 2] *= lengths_cm / length_cm
+    return {**about, "poses": {**about["poses"], NOW: packed.put(posture)}, "pose": NOW}
 
 
 At = Callable[[float, bool], Variant]

@@ -7,27 +7,26 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-import gymnasium
-import numpy as np
-
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
-from mimoc.runtime.env import InfantEnv
+from mimoc.compiler.world_sources import world_of
+from mimoc.runtime.infants import infants_of
+from mimoc.runtime.simulation import Simulation
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.page import Progress, describe, fill, page_of
+from mimoc.viewer.page import Progress, describe, fill, page_of, with_posture
+from mimoc.viewer.world_page import page_of_world
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
 
 HEIGHT_PX = 620
 """Of a page in a notebook."""
-NOW = "now"
-"""The pose that an environment is in, on its page."""
 
 
 class View:
@@ -74,7 +73,7 @@ class View:
 
 
 def view(
-    shown: "Bundle | InfantSpec | ReadRecording | gymnasium.Env | str | Path",
+    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | str | Path | Any",
     path: str | Path | None = None,
     *,
     physics: bool = False,
@@ -82,16 +81,17 @@ def view(
     episode: int | None = None,
     progress: Progress = lambda *_: None,
 ) -> View:
-    """Return a page that shows an infant in 3D in any browser, or replays what was recorded of it.
+    """Return a page that shows infants in 3D in any browser, or replays what was recorded of one.
 
     It is one file, which needs no server and no network. As the last value of a notebook's cell it is shown there.
 
     Args:
         shown: A bundle or its folder, a spec or its file (.yaml, .yml); a recording or its folder; or an
-            environment, whose infant is shown as it is now.
+            environment on the CPU, whose infant is shown as it is now. Or a world of several infants, in any form that
+            `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time.
         path: Also write the page to this file, which ends in .html.
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act: 4 MB more.
-        infant: Which of several recorded infants; the first one if it is not said.
+        infant: Which of several infants, that were recorded or are in a vector environment; by default the first one.
         episode: Which recorded episode; the first one if it is not said.
         progress: Called with how much is done, and how much there is to do.
 
@@ -113,16 +113,21 @@ def view(
         from mimoc.viewer.episode_page import page_of_recording
 
         made = View(*page_of_recording(recording, infant, episode, physics, progress))
+    elif (simulation := _simulation_of(shown, infant)) is not None and episode is None:
+        if isinstance(simulation.bundle, WorldBundle):
+            made = View(page_of_world(_without_physics(simulation.bundle, physics), simulation, progress))
+        else:
+            made = View(_page_now(simulation, simulation.bundle, physics))
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
-    elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
-        made = View(_page_of_env(shown.unwrapped, physics))
+    elif (world := world_of(shown)) is not None:
+        made = View(page_of_world(_without_physics(world, physics), progress=progress))
     elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
         source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
         made = View(page_of(compiled(source), physics, progress))
     else:
         kind = type(shown).__name__
-        raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a recording or an environment of an infant")
+        raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a world, a recording or an environment")
     if place:
         made.save(place)
     return made
@@ -145,14 +150,27 @@ def _recording_of(shown: object) -> "ReadRecording | None":
     return cast("ReadRecording", shown) if reading and isinstance(shown, reading.ReadRecording) else None
 
 
-def _page_of_env(env: InfantEnv, physics: bool) -> str:
-    """Return the page of an infant that is as it is now; at other ages the same, as high as it is long."""
-    packed = EncodedArrays()
-    data: dict[str, Any] = packed.put(describe(env.bundle, physics))
-    infant = own_parts(env.model, env.manifest)
-    lengths_cm = packed.arrays[data["standards"]["charts"]["length_cm"]["plot"]["lines"][-1]["y"]["array"]]
-    posture = np.tile(env.data.qpos[infant.qpos], (len(lengths_cm), 1))
-    posture[:, 2] *= lengths_cm / env.manifest.child.length_cm
-    data["poses"][NOW] = packed.put(posture)
-    around = describe_surroundings(env.model, env.data, infant)
-    return fill({**data, "pose": NOW, "surroundings": around}, packed)
+def _simulation_of(shown: object, infant: int | None) -> Simulation | None:
+    """Return the simulation of an environment, of several that in which an infant is; None if it is none."""
+    try:
+        infants = [*infants_of("view", shown).values()]
+    except TypeError:
+        return None
+    if infant is not None and not 0 <= infant < len(infants):
+        raise MimocError(f"there is no infant {infant}; give a number from 0 to {len(infants) - 1}")
+    return infants[infant or 0].simulation
+
+
+def _without_physics(world: WorldBundle, physics: bool) -> WorldBundle:
+    """Return a world, or refuse to let its page have physics."""
+    if physics:
+        raise MimocError("physics on a page is that of a single infant, and this is a world with several")
+    return world
+
+
+def _page_now(simulation: Simulation, bundle: Bundle, physics: bool) -> str:
+    """Return the page of an infant that is as it is now."""
+    packed, infant = EncodedArrays(), own_parts(simulation.model, bundle.manifest)
+    about: dict[str, Any] = packed.put(describe(bundle, physics))
+    about = with_posture(about, packed, simulation.data.qpos[infant.qpos], bundle.manifest.child.length_cm)
+    return fill({**about, "surroundings": describe_surroundings(simulation.model, simulation.data, infant)}, packed)

@@ -1,11 +1,14 @@
 """Commands on worlds of several infants."""
 
+import csv
+
 import pytest
 from PIL import Image
 from support.worlds import ANNA, BEN, written
 
 import mimoc
 
+PAIRS = (("anna", "ben"), ("ben", "anna"))
 PAIR = "infants: [anna.yaml, ben.yaml]\n"
 
 
@@ -91,16 +94,63 @@ def test_each_infant_has_a_policy_from_the_command_line(invoke, folder):
     assert "Error of the gaze" in done.out
 
 
+def test_from_a_file_to_a_recording_a_table_of_contacts_and_gaze_and_a_film(invoke, folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = invoke("run", folder / "out", "--steps", 12, "--record", "kept", "--movement", "contacts,gaze")
+    assert (done.code, done.err) == (0, "")
+    assert done.out.endswith("\nkept\n")
+    done = invoke("measure", "kept", "--contacts", "contacts.csv")
+    assert (done.code, done.out, done.err) == (0, "contacts.csv\n", "")
+    with (tmp_path / "contacts.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["other_part"] == "any"]
+    found = [(row["infant"], row["does"], row["other"]) for row in rows]
+    assert found == [(who, does, whom) for who, whom in PAIRS for does in ("touches", "looks at")]
+    printed = invoke("measure", "kept")
+    assert printed.code == 0
+    assert all(words in printed.out for words in ("anna", "ben", "anna touches ben", "ben looks at anna"))
+    replayed = invoke("replay", "kept", "--video", "two.gif", "--size", 64)
+    told = "ok: all numbers of 2 episodes, 24 control steps, came out again\ntwo.gif\n"
+    assert (replayed.code, replayed.out, replayed.err) == (0, told, "")
+    assert invoke("replay", "kept", "--infant", "ben").out.startswith("ok: all numbers of 1 episode, 12 ")
+    assert invoke("export", "kept", "--to", "csv", "-o", "tables").code == 0
+    assert (tmp_path / "tables" / "0001-000000.csv").is_file()
+
+
+def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own_task.py").write_text(
+        "class Height:\n    def judge(self, data, action, effort):\n        return float(data.qpos[2])\n"
+    )
+    weak = {**BEN, "impairments": {"weakness": {"right_arm": 0.1}}}
+    path = str(written(tmp_path, PAIR, anna=ANNA, ben=weak))
+    run = ["run", path, "--policy", "anna=random", "--policy", "ben=zero", "--steps", "3", "--task", "own_task:Height"]
+    done = invoke(*run, "--beside", "healthy", "--eyes", "--video", "both.gif", "--size", "64")
+    assert done.code == 0, done.err
+    assert [name.strip() for name in done.out.splitlines()[2].strip("┃").split("┃")][1:] == [
+        "anna",
+        "ben",
+        "anna, healthy",
+        "ben, healthy",
+    ]
+    evaluated = invoke("evaluate", path, "--policy", "ben=random", "--episodes", "2", "--steps-per-episode", "3")
+    assert evaluated.code == 0, evaluated.err
+    assert "2 episodes, seeds 0 to 1" in evaluated.out
+    told = "'bne' is not a name of an infant of this world; did you mean 'ben'?\n"
+    assert invoke("run", path, "--policy", "bne=zero").err == told
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "--eyes", "--video", "a.gif"], "--eyes is for a single infant"),
+        (["run", "--infant", "bem", "--video", "a.gif"], "'bem' is not a name of an infant here; did you mean 'ben'?"),
         (["run", "--policy", "bob=sit"], "'bob' is not a name of an infant of this world"),
         (["build", "-o", "out", "--for", "mimo"], "--for is for a single infant"),
         (["render", "-o", "a.png", "--pose", "crawling"], "'crawling' is not a pose of 'anna'"),
         (["render", "-o", "a.png", "--crop", "head"], "--crop head draws the head of one infant"),
-        (["view", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
-        (["report", "-o", "a.html"], "this file describes a world with several infants, and one is wanted here"),
+        (["view", "-o", "a.html", "--physics"], "--physics is for a single infant"),
+        (["see", "-o", "a.png", "--infant", "bob"], "'bob' is not a name of an infant of this world"),
+        (["rooms", "-o", "a.png"], "'flat' without toys is the same for every seed"),
+        (["train", "-o", "out", "--one-process"], "worlds of a training are in one process"),
     ],
 )
 def test_what_is_for_single_infants_is_refused_in_one_line(invoke, folder, tmp_path, monkeypatch, arguments, message):

@@ -29,7 +29,7 @@ COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.
 def test_the_commands_are_in_this_order():
     drawing, running = (
         ["explain", "report", "render", "see", "view", "rooms"],
-        ["build", "validate", "run", "train", "skill", "movement", "bench", "experiment", "check"],
+        ["build", "validate", "run", "train", "evaluate", "skill", "movement", "bench", "experiment", "check"],
     )
     assert list(COMMANDS) == [
         "new",

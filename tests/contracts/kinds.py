@@ -155,7 +155,7 @@ class DrivenMany(Driven):
         return np.stack(rows) if isinstance(rows[0], np.ndarray) else list(rows)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of environments."""
 
@@ -203,14 +203,14 @@ class Kind:
             driven.env.close()
 
 
-def _spec(spec: Mapping[str, Any], scene: Mapping[str, Any], start_at: str | None) -> mimoc.InfantSpec:
+def _spec(spec: Mapping[str, Any], scene: Mapping[str, Any] = NOTHING, start_at: str | None = None) -> mimoc.InfantSpec:
     own = {**spec.get("scene", {}), **scene, **({"start_at": start_at} if start_at else {})}
     return mimoc.InfantSpec.model_validate({**spec, "scene": own})
 
 
-def _world(spec: Mapping[str, Any], scene: Mapping[str, Any], start_at: str | None) -> Any:
+def _world(spec: Mapping[str, Any], scene: Mapping[str, Any] = NOTHING, start_at: str | None = None) -> Any:
     places = ({"start_at": start_at}, {"y_cm": 480}) if start_at else FAR
-    return plan_of(dict.fromkeys(NAMES, dict(spec)), *places, **({"scene": dict(scene)} if scene else {}))
+    return plan_of({name: dict(spec) for name in NAMES}, *places, **({"scene": dict(scene)} if scene else {}))
 
 
 ONE = Kind("one", "one infant", "`mimoc.make(infant)`", Driven, _spec, mimoc.make)

@@ -87,6 +87,18 @@ def test_in_a_world_it_does_so_for_a_second(kim, world, policy):
     assert_same_in_a_world(kim, world, policy, steps=100)
 
 
+def test_in_a_batch_of_worlds_an_infant_does_what_it_does_alone(kim, world, policy):
+    with closing(mimoc.make_vec([world.bundle, world.bundle])) as envs:
+        act, generators = mimoc.policy_vec(policy, envs), [np.random.default_rng(row) for row in range(4)]
+        observations, _ = envs.reset(seed=0)
+        for _ in range(3):
+            observations, *_ = envs.step(act(generators, observations))
+        alone = Run(kim, policy, seed=3)  # It is the second infant of the second world.
+        for _ in range(3):
+            alone.step()
+        assert envs.infants[3].keypoints() == pytest.approx(kim.keypoints(), abs=1e-6, nan_ok=True)
+
+
 def test_a_row_of_a_batch_is_commanded_what_the_infant_is_alone(kim, policy):
     bundle, steps = built(KIM), 3
     with closing(mimoc.InfantEnv(bundle)) as second:

@@ -125,6 +125,16 @@ def test_a_target_is_a_part_of_the_infant_itself_or_of_another(world, word, body
     assert find_target(subject, "look_at", word).bodies == (infant.model.body(body).id,)
 
 
+def test_parts_of_a_subject_are_those_of_its_own_infant(world):
+    infant = world.infants["ben"]
+    subject = Subject(DrivenInfant.of(infant.model, infant.manifest), infant.manifest)
+    arm = subject.bodies_below("right_upper_arm")
+    assert arm == subject.bodies_below("ben_right_upper_arm")
+    assert {subject.infant.part(body) for body in arm} >= {"right_upper_arm", "right_hand"}
+    assert all(world.model.body(body).name.startswith("ben_") for body in arm)
+    assert subject.infant.body("head") == world.model.body("ben_head").id
+
+
 def test_a_target_that_there_is_not_is_refused_with_those_that_are_near(world):
     with pytest.raises(UnknownNameError, match="did you mean 'anna_right_hand'"):
         policy_of(world.infants["ben"], "look_at:anna_rigth_hand")
@@ -185,3 +195,16 @@ def test_a_controller_takes_the_names_of_an_infant_that_is_alone(world):
     assert "robot:left_elbow" in control.joints
     other = mimoc.InverseDynamics(ben.model, ben.data, ben.manifest, [mimoc.PositionTask("anna_head", hand_m)])
     assert other.errors()[0] > 0.1
+
+
+@pytest.mark.full
+def test_behaviours_go_on_while_infants_grow():
+    kim = mimoc.InfantSpec.model_validate(SITTING)
+    with closing(mimoc.make_parallel({"anna": kim, "ben": kim})) as world:
+        run = Run(world, "anna=sit+look_at(ben_right_hand),ben=sit+reach_for(anna_head)", seed=0)
+        for step in range(30):
+            if step == 10:
+                run.observations = world.grow({"ben": 12.0})
+            run.step()
+        assert world.infants["ben"].age_months == 12.0
+        assert all(summary.metrics["held_share"] for summary in run.summaries().values())

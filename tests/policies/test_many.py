@@ -72,9 +72,9 @@ def test_a_function_from_an_environment_acts_for_many(built):
     envs.close()
 
 
-def test_only_vector_environments_have_policies_of_many(env):
-    with pytest.raises(PolicyError, match=r"expected a vector environment of mimoc\.make_vec, got InfantEnv"):
-        mimoc.policy_vec("random", env)
+def test_only_environments_of_mimocs_have_policies():
+    with pytest.raises(PolicyError, match=r"expected a vector environment of mimoc\.make_vec, got"):
+        mimoc.policy_vec("random", {})
 
 
 @pytest.mark.slow

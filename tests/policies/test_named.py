@@ -78,7 +78,7 @@ def test_a_policy_is_reset_when_an_episode_begins(env, bias):
     run = Run(env, lambda env: kept.append(Bias(0.0, env)) or kept[0], seed=0)
     for _ in range(7):
         run.step()
-    assert kept[0].episodes == 2
+    assert kept[0].episodes == 3
 
 
 def test_a_trained_policy_can_be_part_of_a_sum(env):

@@ -1,6 +1,9 @@
+from contextlib import closing
+
 import numpy as np
 import pytest
 
+import mimoc
 from mimoc.base.errors import RenderingError
 from mimoc.recording.record import GAP_PX, VideoFrames
 from mimoc.render.camera import shows
@@ -108,3 +111,18 @@ def test_another_episode_is_a_cut(open_env, open_film):
     film.frame(observation)
     observation, _ = env.reset(seed=0)
     assert np.array_equal(film.frame(observation), first)
+
+
+def test_an_infant_that_grows_is_shown_as_it_is_then(open_film):
+    """Its model is another one, and so are the cameras of the film, from where they were."""
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "infant", "age_months": 3, "senses": {}})
+    with closing(mimoc.make(spec).unwrapped) as env:
+        env.reset(seed=0)
+        film = open_film(env)
+        before, shot = film.frame({}), film.shot
+        env.grow(to=24)
+        env.model.vis.quality.shadowsize = 0
+        grown, anew = film.frame({}), open_film(env)
+        anew.shot = shot
+        assert np.array_equal(grown, anew.frame({}))
+        assert not np.array_equal(grown, before)

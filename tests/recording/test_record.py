@@ -1,6 +1,9 @@
+from contextlib import closing
+
 import gymnasium
 import numpy as np
 import pytest
+from support.worlds import ANNA, BEN, world
 
 import mimoc
 from mimoc.base.errors import OutputError, UnknownNameError
@@ -102,3 +105,37 @@ def test_pictures_follow_each_other_in_real_time(env, tmp_path, watch):
     seen, ends_s = watch(tmp_path / "film.mp4")
     assert len(seen) == 16
     assert np.diff(ends_s) == pytest.approx(np.full(15, 1 / 30), abs=1e-3)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Return two infants side by side."""
+    return world(anna=ANNA, ben=BEN)
+
+
+def test_a_film_of_a_world_shows_all_and_one_of_a_batch_shows_rows(pair, tmp_path, watch):
+    """Each world in one picture, and worlds beside each other."""
+    alone = SIZE["height_px"] * 4 // 3
+    with closing(mimoc.make_parallel(pair)) as env:
+        several = mimoc.record(env, {"anna": "random"}, tmp_path / "world.gif", steps=8, **SIZE)
+    with closing(mimoc.make_vec(pair, num_envs=4)) as envs:
+        rows = mimoc.record(envs, "zero", tmp_path / "batch.gif", steps=8, **SIZE)
+    assert {name: summary.steps for name, summary in several.items()} == {"anna": 8, "ben": 8}
+    assert several["anna"].measures["joint_speed_rad_s"] > several["ben"].measures["joint_speed_rad_s"]
+    assert [*rows] == ["0", "1", "2", "3"]
+    one, two = watch(tmp_path / "world.gif")[0], watch(tmp_path / "batch.gif")[0]
+    assert one.shape == (3, SIZE["height_px"], alone, 3)
+    assert two.shape[0] == 3
+    assert two.shape[2] > 2 * alone
+
+
+def test_whose_eyes_a_film_has_is_chosen_by_name(pair, tmp_path):
+    with closing(mimoc.make_parallel(pair)) as env:
+        films = {}
+        for infant in (None, "anna", "ben"):
+            file = tmp_path / f"{infant}.gif"
+            mimoc.record(env, "zero", file, steps=1, eyes=True, infant=infant, **SIZE)
+            films[infant] = file.read_bytes()
+        with pytest.raises(UnknownNameError, match="'bem' is not a name of an infant of this environment; did you"):
+            mimoc.record(env, "zero", tmp_path / "bem.gif", infant="bem")
+    assert films[None] == films["anna"] != films["ben"]

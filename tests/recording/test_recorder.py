@@ -123,7 +123,7 @@ def test_noise_jitter_and_growth_come_out_again(disturbed, tmp_path):
     env.step(ACTIONS[11])
     growing.close()
     first, second = mimoc.read_recording(tmp_path / "grown")
-    assert first.infos["age_months"][[0, 5, 9, 10]].tolist() == [18, 18.25, 18.5, 18.5]
+    assert first.infos["age_months"][[0, 5, 9, 10]].tolist() == [18, 18.25, 18.5, 6]
     assert second.options == {"age_months": 9.5}
     assert replayed(tmp_path / "grown") == []
 
@@ -308,3 +308,15 @@ def test_what_cannot_be_written_is_said_once_and_the_rest_is_kept(reaching, tmp_
     env.close()
     (tmp_path / "full" / "moved").rename(tmp_path / "full" / "episodes")
     assert [each.steps for each in mimoc.read_recording(tmp_path / "full")] == [12]
+
+
+def test_a_push_is_kept_whatever_is_done_after_it(reaching, tmp_path):
+    with mimoc.Recorder(mimoc.make(reaching), tmp_path / "pushed") as env:
+        env.reset(seed=0)
+        env.step(ACTIONS[0])
+        env.unwrapped.data.qvel[:] += 0.1
+        env.unwrapped.set_arousal(0.5)
+        env.step(ACTIONS[1])
+    (episode,) = mimoc.read_recording(tmp_path / "pushed")
+    assert sorted(what for what, _ in episode.changes[1]) == ["arousal", "physics"]
+    assert replayed(tmp_path / "pushed") == []

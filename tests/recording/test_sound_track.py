@@ -7,6 +7,7 @@ import av
 import numpy as np
 import pytest
 from support import store
+from support.worlds import world
 
 import mimoc
 from mimoc.recording import film_of
@@ -70,3 +71,13 @@ def test_one_that_does_not_hear_has_none(tmp_path):
     with closing(mimoc.make(bundle)) as env:
         mimoc.record(env, "zero", tmp_path / "f.gif", steps=4, height_px=48)
     assert [path.name for path in tmp_path.iterdir()] == ["f.gif"]
+
+
+def test_of_a_world_it_is_the_sound_of_the_infant_that_is_named_or_hears_first(tmp_path):
+    deaf = {"mimoc": 1, "name": "x", "age_months": 6, "senses": {"vestibular": {}}}
+    hearing = {**deaf, "senses": {"hearing": {"output": "levels"}}, "actuation": {"voice": True}}
+    with closing(mimoc.make_parallel(world(anna=deaf, ben=hearing))) as env:
+        for infant in ("anna", "ben", None):
+            mimoc.record(env, "random", tmp_path / f"{infant}.gif", steps=4, height_px=48, infant=infant)
+    assert sorted(path.name for path in tmp_path.glob("*.wav")) == ["None.wav", "ben.wav"]
+    assert (read(tmp_path / "None.wav")[1] == read(tmp_path / "ben.wav")[1]).all()

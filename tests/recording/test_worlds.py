@@ -196,3 +196,14 @@ def test_a_change_of_an_infant_that_is_not_there_is_one_line(lived, tmp_path):
     path.write_text(json.dumps(sidecar))
     with pytest.raises(RecordingError, match=r"0000-000000\.json: a state or a change is damaged"):
         differences(folder, episode=0)
+
+
+def test_of_a_world_that_was_killed_what_all_infants_have_comes_out_again(lived, tmp_path):
+    """Of one of them, a part more was written than of the other."""
+    folder = shutil.copytree(lived[0], tmp_path / "copy")
+    for name in ("0000-000000.0002", "0001-000000.0002", "0001-000000.0001"):
+        for path in (folder / "episodes").glob(f"{name}.*"):
+            path.unlink()
+    anna, ben = mimoc.replay_recording(folder, episode=0)
+    assert (anna.episode.ended, anna.episode.steps, ben.episode.steps) == ("unfinished", 7, 3)
+    assert [(one.difference, one.steps) for one in (anna, ben)] == [(None, 3)] * 2

@@ -11,15 +11,18 @@ import pytest
 from mimoc import schema
 from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.base.errors import SpecError
+from mimoc.components.senses.vision import AcuitySpec
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.base import KeyPath
+from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.components.senses import SENSES
 from mimoc.schema.components.tasks import TASKS
 from mimoc.schema.names import MEASUREMENTS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
-MODELS += [kind.spec for kind in TASKS.values()]
+MODELS += [kind.spec for kinds in (SENSES, SCENES, TASKS) for kind in kinds.values() if kind.spec] + [AcuitySpec]
 UNITS = "cm m kg deg ms px weeks months percentile percent cpd n s hz db thresholds cm2"
 """Endings of the names of keys."""
 NO_UNIT = {

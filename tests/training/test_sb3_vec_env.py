@@ -1,5 +1,8 @@
 """Infants as an environment of Stable-Baselines3: what its own gives, to the bit."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from stable_baselines3 import PPO
@@ -114,3 +117,20 @@ def test_episodes_that_nothing_ends_are_a_warning(built):
     infos = [env.step(np.zeros((2, *env.action_space.shape), np.float32))[3] for _ in range(3)]
     assert [info["episode"]["l"] for info in infos[-1]] == [3, 3]
     env.close()
+
+
+def test_a_copy_and_a_pickle_go_on_as_the_original(built):
+    envs = mimoc.sb3_vec_env(built(), num_envs=2)
+    envs.seed(3)
+    envs.reset()
+    actions = np.full((2, *envs.action_space.shape), 0.2, np.float32)
+    envs.step(actions)
+    copies = copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))
+    observed, rewards, *_ = envs.step(actions)
+    for one in copies:
+        seen, earned, *_ = one.step(actions)
+        assert all((seen[name] == observed[name]).all() for name in observed)
+        assert (earned == rewards).all()
+        assert (one.episode_lengths == envs.episode_lengths).all()
+        one.close()
+    envs.close()

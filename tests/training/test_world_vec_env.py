@@ -1,12 +1,16 @@
 """Stable-Baselines3 learns one policy with all infants of worlds."""
 
+import json
+
 import numpy as np
 import pytest
 from stable_baselines3 import PPO
 from support.worlds import ANNA, BEN, world
 
 import mimoc
+from mimoc.base.errors import TrainingError
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
+from mimoc.runtime.world_env import WorldEnv
 
 ARM = {
     "mimoc": 1,
@@ -71,3 +75,41 @@ def test_infants_that_command_other_things_have_no_policy_in_common():
         mimoc.world_vec_env(mimoc.make_parallel(world(anna=ARM, ben={**ARM, "actuation": {"regions": ["left_arm"]}})))
     with pytest.raises(BatchMismatchError):
         mimoc.world_vec_env(mimoc.make_parallel(world(anna=ANNA, ben={**BEN, "senses": {}})))
+
+
+# A training.
+
+
+def test_all_infants_of_a_world_learn_one_policy_which_is_resumed_to_the_bit(learn, learned, same, tmp_path):
+    source, limit = world(anna=ARM, ben=ARM), {"task": LiftHand(), "steps_per_episode": 9}
+    training = learn("whole", source=source, envs=3, **limit)
+    assert (training.curve.steps, {row.episode_steps for row in training.curve.rows}) == (256, {9})
+    settings = json.loads((tmp_path / "whole" / "run.json").read_text())["settings"]
+    assert settings["envs"] == 4, "two whole worlds"
+    assert isinstance(mimoc.read_world_bundle(tmp_path / "whole" / "bundle"), mimoc.WorldBundle)
+    learn("halves", 128, source=source, envs=4, **limit)
+    resumed = learn("halves", source=tmp_path / "halves" / "bundle", envs=4, **limit)
+    assert resumed.resumed_at == 128
+    assert same(learned(training.policy), learned(resumed.policy))
+    both = mimoc.evaluate(WorldEnv(source), mimoc.load_policy(resumed.policy), episodes=1)
+    assert [(name, one.steps) for name, (one,) in both.items()] == [("anna", 9), ("ben", 9)]
+
+
+def test_a_world_of_a_training_grows_and_is_recorded(learn, tmp_path):
+    options = {"task": LiftHand(), "steps_per_episode": 9, "grow": "9:9.5", "record": tmp_path / "recording"}
+    learn("grown", 128, source=world(anna=ARM, ben=ARM), threads=1, **options)
+    recording = mimoc.read_recording(tmp_path / "recording")
+    assert (recording.infants, len(recording) > 10) == (2, True)
+    changes = [change for episode in recording for made in episode.changes.values() for change in made]
+    ages = [value for what, value in changes if what == "age_months"]
+    assert 9 < max(ages) <= 9.5
+
+
+def test_a_training_on_worlds_says_in_one_line_what_it_cannot(learn, tmp_path):
+    balanced = mimoc.InfantSpec(**{**BEN, "senses": {"vestibular": {}}})
+    with pytest.raises(BatchMismatchError, match=r"infants 0 .* and 1 .* cannot share a batch, because they differ in"):
+        learn(source={"anna": mimoc.InfantSpec(**ANNA), "ben": balanced})
+    for option, value in {"processes": True, "device": "warp:cpu"}.items():
+        with pytest.raises(TrainingError, match=f"leave out --{option}"):
+            learn(source=world(anna=ARM, ben=ARM), **{option: value})
+    assert list(tmp_path.iterdir()) == []

@@ -107,7 +107,7 @@ def test_eyes_show_a_video_of_what_was_seen(known, recorded):
 
 def test_long_episodes_have_fewer_frames_of_the_same_duration(recorded, monkeypatch, known):
     monkeypatch.setattr(replayed, "FRAMES", 12)
-    data, _ = describe_episode(recorded[0], recorded[0][0])
+    data, *_ = describe_episode(recorded[0], recorded[0][0])
     short = data["recording"]
     assert short["stride"] == 3
     assert np.array_equal(short["qpos"].astype(np.float32), known["qpos"][::3])
@@ -128,5 +128,5 @@ def test_a_replay_that_differs_says_where(recorded, monkeypatch):
         step(model, data, nstep)
 
     monkeypatch.setattr(mujoco, "mj_step", differently)
-    _, difference = describe_episode(recorded[0], recorded[0][0])
+    _, difference, _ = describe_episode(recorded[0], recorded[0][0])
     assert difference.startswith("infant 0, episode 0, step ")

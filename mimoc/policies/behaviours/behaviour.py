@@ -10,6 +10,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
+from mimoc.policies.control.frames import find_frame
 from mimoc.policies.control.holding.driven import DrivenInfant
 from mimoc.policies.reaction import Chance
 from mimoc.runtime.sense import FloatArray, IntArray
@@ -38,9 +39,10 @@ class Subject:
         return np.flatnonzero(np.isin(self.infant.joints, list(wanted))).astype(np.intp)
 
     def bodies_below(self, *roots: str) -> frozenset[int]:
-        """Return some bodies and all that hang on them."""
-        model = self.infant.model
-        return frozenset(np.flatnonzero(in_subtrees(model, [model.body(root).id for root in roots])).tolist())
+        """Return some body parts and all that hang on them."""
+        model, prefix = self.infant.model, self.infant.prefix
+        ids = [find_frame(root, model, prefix).body for root in roots]
+        return frozenset(np.flatnonzero(in_subtrees(model, ids)).tolist())
 
     def require(self, behaviour: str, *bodies: str) -> None:
         """Raise a PolicyError if the infant lacks some body parts."""

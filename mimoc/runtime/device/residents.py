@@ -52,6 +52,19 @@ class StartingInfant(InfantEnv):
         on_device: Any = SENSES[VISION].device
         return {VISION: function_of(on_device, "NoVision")(), **super()._former_senses()}
 
+    def _stands_for_others(self, *given: Any) -> Any:
+        """Refuse what is of an infant as it is now.
+
+        Raises:
+            MimocError: Always.
+        """
+        raise MimocError(
+            "infants of a device are in the arrays of its 'worlds'; those in 'infants' stand for them, as they start"
+        )
+
+    keypoints = effort = play = set_arousal = set_expression = _stands_for_others
+    skin = property(_stands_for_others)
+
     @property
     def has_other_scenes(self) -> bool:
         """Whether it can be in the scene of another seed."""

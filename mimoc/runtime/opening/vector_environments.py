@@ -257,6 +257,8 @@ def _on_device(
     from mimoc.runtime.device.residents import StartingInfant
     from mimoc.runtime.device.vector_env import DeviceEnv
 
+    if options.pop("companions", None):
+        raise MimocError("companions act on the CPU only: leave them out, or leave out device")
     known = ["task", "senses", "max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
     for name in options.keys() - known:
         raise UnknownNameError(f"option of infants on device '{device}'", name, known)

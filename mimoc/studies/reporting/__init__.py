@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError
@@ -12,6 +12,7 @@ from mimoc.bundle.io import LOCK, Bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.provenance import SPEC_FILE
+from mimoc.compiler.world_sources import world_of
 from mimoc.recording.description import RECORDING
 from mimoc.recording.folder import read_infant
 from mimoc.schema.counterparts import counterpart
@@ -27,9 +28,12 @@ RUN, COHORT = "run.json", "cohort.json"
 """Files that are in the folder of a training run, and of a cohort."""
 
 
-@takes("a bundle, a spec, the path of one, or the folder of a training run or a cohort", "Bundle", "InfantSpec", *PATH)
+@takes(
+    "a bundle, a spec, a world, the path of one, or the folder of a training run or a cohort",
+    *("Bundle", "InfantSpec", "WorldBundle", "WorldPlan", Mapping, *PATH),
+)
 def report(
-    source: "Bundle | InfantSpec | str | Path",
+    source: Any,
     path: str | Path,
     *,
     check: bool = True,
@@ -37,17 +41,18 @@ def report(
     progress: Progress | None = None,
     beside: str | None = None,
 ) -> Path:
-    """Write a page on an infant, a training run or a cohort; return its path. The same source gives the same bytes.
+    """Write a page on an infant, a world, a training run or a cohort; return its path. The same gives the same bytes.
 
     Args:
-        source: A bundle, its folder, a spec or its file (.yaml, .yml); the folder of a recording of one infant, such
-            as `mimoc retarget` writes; or the folder of a training run or of a cohort.
+        source: A bundle, its folder, a spec or its file (.yaml, .yml); a world of several infants, in any form that
+            `mimoc.make_parallel` takes; the folder of a recording of one infant, such as `mimoc retarget` writes; or
+            the folder of a training run or of a cohort.
         path: The page, which ends in .html; an existing one is replaced.
-        check: Whether to check that the simulation of an infant is stable, which takes a second or so.
+        check: Whether to check that the simulation of an infant or a world is stable, which takes a second or so.
         cohort: The cohort in the folder, so that jobs which are not done yet are counted as well.
         progress: Called with how much is done, and how much there is to do.
         beside: `healthy` also shows where the joints of the same child without what impairs it differ; for a spec, its
-            file, or the folder of a bundle.
+            file, or the folder of a bundle; or for a world, of which it shows those that are impaired.
 
     Raises:
         OutputError: If the page cannot be written there.
@@ -63,13 +68,19 @@ def report(
         'infant_report.html'
     """
     place, show = check_page(path), progress or (lambda done, total: None)
+    folder = Path(os.path.expanduser(source)) if isinstance(source, PATH) else None
+    is_folder_of = {name for name in (RUN, COHORT) if folder and (folder / name).is_file()}
+    if not is_folder_of and cohort is None and (world := world_of(source)):
+        from mimoc.studies.reporting.world import world_page
+
+        return write_file(place, render(world_page(world, show, check=check, counterpart=beside)))
     others = {beside: build(counterpart(_spec(source), beside))} if beside else {}
     page = _page(source, check, cohort, show, others)
     return write_file(place, render(page))
 
 
 def _page(
-    source: "Bundle | InfantSpec | str | Path",
+    source: Any,
     check: bool,
     cohort: "Cohort | None",
     progress: Progress,
@@ -92,7 +103,7 @@ def _page(
     return infant_page(_infant(source, progress), progress, check=check, counterparts=counterparts)
 
 
-def _spec(source: "Bundle | InfantSpec | str | Path") -> InfantSpec:
+def _spec(source: Any) -> InfantSpec:
     """Return the spec of an infant that is to stand beside another."""
     if isinstance(source, InfantSpec):
         return source
@@ -103,7 +114,7 @@ def _spec(source: "Bundle | InfantSpec | str | Path") -> InfantSpec:
     return load_spec(file)
 
 
-def _infant(source: "Bundle | InfantSpec | str | Path", progress: Progress) -> Bundle:
+def _infant(source: Any, progress: Progress) -> Bundle:
     if isinstance(source, Bundle):
         return source
     if isinstance(source, InfantSpec):

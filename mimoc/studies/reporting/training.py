@@ -7,6 +7,7 @@ from typing import Any
 
 from mimoc.base.quantities import Quantity, outcome
 from mimoc.bundle.model import load_model
+from mimoc.bundle.world import WorldBundle
 from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.reporting import words
@@ -26,6 +27,7 @@ from mimoc.studies.reporting.page import (
     number,
     table,
 )
+from mimoc.studies.reporting.world import infant_section, introduce_world
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
 from mimoc.training.settings import hyperparameters_of
@@ -59,16 +61,20 @@ def training_page(folder: Path) -> Page:
     """
     run, curve = read_training_run(folder)
     bundle = read_run_bundle(folder)
-    sources = Sources(bundle)
-    size, body, senses = infant_sections(bundle, load_model(bundle), sources)
-    lead, pictures = introduce(bundle)
+    if isinstance(bundle, WorldBundle):
+        of_infants = tuple(infant_section(name, infant) for name, infant in bundle.infants.items())
+        lead, pictures = introduce_world(bundle)
+    else:
+        sources = Sources(bundle)
+        of_infants = (*infant_sections(bundle, load_model(bundle), sources), sources.section())
+        lead, pictures = introduce(bundle)
     done, wanted = curve.steps, run.settings.steps
     state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
     return Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
         lead=(f"Trained for {done:,} control steps. {state}.", *lead),
-        sections=(_curves(curve), _settings(run), size, body, senses, sources.section()),
+        sections=(_curves(curve), _settings(run), *of_infants),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
     )

@@ -172,6 +172,13 @@ export class App {
     this.stage.draw();
   }
 
+  // End it, so that the page can show another infant.
+  close() {
+    this.enter("pose");
+    this.stage.renderer.dispose();
+    this.stage.renderer.forceContextLoss();
+  }
+
   tell(message) {
     this.page.getElementById("message").textContent = message;
   }

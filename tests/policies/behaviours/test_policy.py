@@ -31,7 +31,7 @@ def ran(env, policy, seconds) -> Any:
 
 
 def ensemble_of(run) -> Any:
-    return run._act._ensemble
+    return run.policies[""]._ensemble
 
 
 @pytest.fixture(scope="module")

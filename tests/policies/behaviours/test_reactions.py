@@ -82,7 +82,7 @@ def test_a_target_that_jumps_is_followed_to_where_it_was_until_the_infant_reacts
     run = Run(env, "look_at(toy)", seed=0)
     for _ in range(150):
         run.step()
-    look = run._act._ensemble.behaviours[0]
+    look = run.policies[""]._ensemble.behaviours[0]
     before = look._target.place_m(env.data).copy()
     toy = env.manifest.toys[0].joint
     env.data.joint(toy).qpos[1] += 0.5

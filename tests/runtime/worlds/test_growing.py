@@ -5,11 +5,11 @@ import pickle
 
 import numpy as np
 import pytest
-from support.worlds import ANNA, BEN, world
+from support.worlds import ANNA, BEN, plan_of, world
 
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.runtime.opening.parallel import shared_world
+from mimoc.runtime.opening.parallel import shared_world, world_parts
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 
@@ -104,6 +104,15 @@ def test_a_schedule_of_growth_holds_for_the_infants_that_have_one():
         ages.append((env.infants["kim"].age_months, env.infants["lee"].age_months))
     assert ages[0] == (9.0, 3.0)
     assert ages[-1] == (9.0, 4.0)
+
+
+def test_infants_that_a_reset_would_make_too_large_for_their_places_are_refused():
+    near = {"y_cm": 0}, {"y_cm": 56}
+    env = WorldEnv(**world_parts(plan_of({"kim": ANNA, "lee": ANNA}, *near)))
+    env.reset(seed=0)
+    with pytest.raises(MimocError, match="'kim' and 'lee' are within each other in these poses, at these ages"):
+        env.reset(options={"kim": {"age_months": 24}, "lee": {"age_months": 24}})
+    assert env.agents == []
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,9 @@ from support.worlds import ANNA, BEN, placed, world
 
 from mimoc.base.errors import UnknownNameError
 from mimoc.policies.interface import interface_of
+from mimoc.policies.many import policy_vec
 from mimoc.policies.named import policy_of
-from mimoc.policies.rollout import Run
+from mimoc.policies.rollout import Run, rollout
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.runtime.world_env import WorldEnv
 
@@ -48,3 +49,31 @@ def test_a_run_is_summed_up_for_each_infant():
 def test_a_policy_that_there_is_not_is_refused():
     with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
         Run(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
+
+
+def test_policies_of_all_infants_take_the_form_of_their_environment():
+    """By name in a world, with a policy for one of them; single ones for one infant; rows in a vector environment."""
+    shared, alone = WorldEnv(world(anna=ANNA, ben=BEN)), open_infant(built(ANNA))
+    observations, _ = shared.reset(seed=3)
+    observation, _ = alone.reset(seed=3)
+    act = policy_vec({"anna": "general_movements"}, shared)
+    actions = act({name: np.random.default_rng(5) for name in shared.agents}, observations)
+    single = policy_vec("general_movements", alone)
+    assert (actions["anna"] == single(np.random.default_rng(5), observation)).all()
+    assert (actions["ben"] == shared.infants["ben"].rest).all()
+    act.reset(["ben"])
+    single.reset()
+    with pytest.raises(UnknownNameError, match="'kim' is not a name of an infant"):
+        policy_vec({"kim": "zero"}, shared)
+
+
+def test_a_rollout_yields_the_start_of_each_episode_and_its_steps(open_env):
+    env = open_env(task={"kind": "reach", "steps": 3})
+    steps = list(rollout(env, "random", episodes=2, seed=7))
+    assert [(step.episode, step.number, step.ended) for step in steps] == [
+        *((0, number, number == 3) for number in range(4)),
+        *((1, number, number == 3) for number in range(4)),
+    ]
+    again = list(rollout(env, "random", episodes=1, seed=8))
+    assert [step.reward for step in again] == [step.reward for step in steps[4:]]
+    assert len([*rollout(env, "random", seconds=0.05)]) == len([*rollout(env, "random", steps=5)]) == 7

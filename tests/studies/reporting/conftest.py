@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 from support import store
+from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import RenderingError
 from mimoc.studies.cohorts import Cohort
 from mimoc.studies.cohorts.store import Result, Store
+from mimoc.studies.reporting import world
 from mimoc.studies.reporting.infant import who
 from mimoc.training.curve import Curve, CurvePoint
 from mimoc.training.run_folder import open_run_folder
@@ -115,6 +117,22 @@ def run_page(run, tmp_path_factory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(who, "portrait", _no_opengl)
         return mimoc.report(run, tmp_path_factory.mktemp("pages") / "run.html")
+
+
+@pytest.fixture(scope="session")
+def pair(tmp_path_factory) -> mimoc.WorldBundle:
+    """Return two infants who sit so near that their feet touch; one is weak."""
+    sitting = {**SPEC, "scene": {"pose": "sitting"}}
+    weak = {**sitting, "age_months": 6, "impairments": {"weakness": {"right_arm": 0.1}}}
+    return placed({"anna": sitting, "ben": weak}, {"y_cm": 22, "yaw_deg": -90}, {"y_cm": -22, "yaw_deg": 90})
+
+
+@pytest.fixture(scope="session")
+def world_page(pair, tmp_path_factory) -> Path:
+    """Return the page of that world, without a picture."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(world, "world_portrait", _no_opengl)
+        return mimoc.report(pair, tmp_path_factory.mktemp("pages") / "world.html", beside="healthy")
 
 
 @pytest.fixture(scope="session")

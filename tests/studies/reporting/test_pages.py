@@ -13,11 +13,14 @@ from mimoc.compiler.provenance import who_percentiles
 from mimoc.studies.cohorts import Cohort
 from mimoc.studies.cohorts.store import Result, Store, finished_jobs
 from mimoc.studies.cohorts.table import rows_of
+from mimoc.studies.reporting import world
 from mimoc.studies.reporting.words import THIN_SPACE
+from mimoc.training.run_folder import open_run_folder
+from mimoc.training.settings import TrainingSettings
 
-from .conftest import STUDY
+from .conftest import STUDY, _no_opengl
 
-PAGES = {"page": "small_one", "run_page": "run", "cohort_page": "cohort"}
+PAGES = {"page": "small_one", "world_page": "pair", "run_page": "run", "cohort_page": "cohort"}
 """What each page is made from."""
 MOST_BYTES = 1_000_000
 
@@ -60,6 +63,26 @@ def test_the_same_source_gives_the_same_bytes(name, request, tmp_path, without_o
 def test_a_spec_and_its_bundle_give_the_same_page(small_one, page, tmp_path, without_opengl):
     (tmp_path / "infant.yaml").write_bytes(small_one.files["spec.yaml"])
     assert mimoc.report(tmp_path / "infant.yaml", tmp_path / "page.html").read_bytes() == page.read_bytes()
+
+
+def test_a_world_has_a_section_for_each_infant_and_what_they_touch(world_page, page, pair, see):
+    seen = see(world_page)
+    assert {"anna", "ben", "contacts", "stability", "spec"} <= set(seen.attributes("id"))
+    assert "Anna (9 months) and Ben (6 months) share one world" in seen.text
+    first, _ = (row for row in seen.rows if row[:1] == ["Touch"])
+    assert first[1] == see(page).row("Touch")[1], "Anna's, as it is without Ben"
+    assert seen.text.count("Beside the healthy child") == 1
+    forces = {tuple(row[:2]): float(row[2]) for row in seen.rows if len(row) == 3 and row[1].startswith("Ben's ")}
+    assert forces["Anna's left foot", "Ben's right foot"] > 0.1
+    assert all(force > 0 for force in forces.values())
+
+
+def test_the_page_of_a_training_on_a_world_has_its_infants(pair, tmp_path, see, monkeypatch):
+    monkeypatch.setattr(world, "world_portrait", _no_opengl)
+    with open_run_folder(tmp_path / "run", TrainingSettings.choose("ppo", 4096, 3, 2, 1024, {}), pair, force=False):
+        pass
+    seen = see(mimoc.report(tmp_path / "run", tmp_path / "run.html"))
+    assert {"curves", "settings", "anna", "ben"} <= set(seen.attributes("id"))
 
 
 def test_the_size_of_a_child_is_told_in_words(page, small_one, see):

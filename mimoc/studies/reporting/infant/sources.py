@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from mimoc.base.errors import MimocError
-from mimoc.bundle.io import LOCK, Bundle, digests
+from mimoc.bundle.io import LOCK, Bundle, digests, versions_in
+from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.explain import entries_of, value_text
 from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.studies.reporting import words
@@ -36,8 +37,12 @@ ABOUT = (
 class Sources:
     """The numbers of a bundle, and which of them a page refers to."""
 
-    def __init__(self, bundle: Bundle) -> None:
-        """Read the provenance of a bundle; without one that can be had, nothing is linked and a sentence says why."""
+    def __init__(self, bundle: Bundle, prefix: str = "") -> None:
+        """Read the provenance of a bundle; without one that can be had, nothing is linked and a sentence says why.
+
+        Places on the page begin with *prefix*, so that it can have the numbers of several infants.
+        """
+        self._prefix = prefix
         self._named: dict[str, None] = {}
         self._reason = ""
         try:
@@ -49,7 +54,7 @@ class Sources:
         """Return the references to the origin of a number, none if it is not known."""
         known = [key for key in keys if key in self._entries]
         self._named |= dict.fromkeys(known)
-        return tuple(Link(_fragment(key), "source") for key in known[:1])
+        return tuple(Link(self._fragment(key), "source") for key in known[:1])
 
     def section(self) -> Section:
         """Return the section on the origin of all numbers that were referred to so far."""
@@ -88,19 +93,20 @@ class Sources:
         name = key if len(twins) == 1 else f"{key} (and left)"
         fit = ", ".join(f"{letter} = {value:.4g}" for letter, value in entry.get("fit", {}).items())
         rule = entry["rule"] + (f"; a log(age + b) + c + d age with {fit}" if fit else "")
-        links = tuple(Link(_fragment(source), source) for source in entry.get("from", ()) if source in self._entries)
-        anchors = tuple(map(_fragment, twins))
+        links = tuple(
+            Link(self._fragment(source), source) for source in entry.get("from", ()) if source in self._entries
+        )
+        anchors = tuple(map(self._fragment, twins))
         return Cell(name, "code", anchors=anchors), number(value_text(entry)), Cell(rule, links=links)
 
+    def _fragment(self, key: str) -> str:
+        """Return the fragment of a number on the page."""
+        return f"{self._prefix}n-" + re.sub(r"\s+", "-", key)
 
-def _fragment(key: str) -> str:
-    """Return the fragment of a number on the page."""
-    return "n-" + re.sub(r"\s+", "-", key)
 
-
-def origin(bundle: Bundle) -> Section:
-    """Return the section on what an infant was made from."""
-    versions = words.listed([f"{name} {version}" for name, version in sorted(bundle.versions.items())])
+def origin(bundle: Bundle | WorldBundle) -> Section:
+    """Return the section on what an infant or a world was made from."""
+    versions = words.listed([f"{name} {version}" for name, version in sorted(versions_in(bundle.files).items())])
     digest = digests({LOCK: bundle.files[LOCK]})[LOCK]
     rows = [(Cell("Built with"), Cell(versions)), (Cell("Digest of its lock"), Cell(digest, "code"))]
     rows += [(Cell("Note"), Cell(note)) for note in bundle.manifest.notes]

@@ -1,6 +1,6 @@
 """What the parts of an infant weigh, how strong its joints are, and whether its simulation stays stable."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -195,6 +195,11 @@ def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
     for check in check_stability(bundle):
         checks.append(check)
         progress(len(checks))
+    return stability_of(checks)
+
+
+def stability_of(checks: Sequence[PoseCheck]) -> Section:
+    """Return the section on the stability that checks showed."""
     about = ABOUT.format(seconds=CHECKED_S, energy=MAX_ENERGY_J_PER_KG, beyond=MAX_BEYOND_DEG)
     headings = ("pose", "result", "warnings", ENERGY.heading, BEYOND_LIMITS.heading, "")
     return Section("stability", "Stability", (TextBlock(about), table(headings, map(_row, checks))))

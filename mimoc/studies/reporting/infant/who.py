@@ -17,6 +17,7 @@ from mimoc.compiler.measuring import measure_body
 from mimoc.compiler.notes import DIFFERS
 from mimoc.compiler.provenance import SCALE_NOT_KNOWN, who_percentiles
 from mimoc.fits import load_tables, measure
+from mimoc.render.picture_files import Picture as Pixels
 from mimoc.render.plots.drawing import Drawing, box, draw_svg, line
 from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.portrait import portrait
@@ -37,22 +38,24 @@ POSES = {"standing": "stands", "sitting": "sits", "supine": "lies on its back", 
 
 def introduce(bundle: Bundle) -> tuple[tuple[str, ...], tuple[Picture, ...]]:
     """Return what an infant is, where it is and what it is to do, and its picture; none where there is no OpenGL."""
-    sentences = tuple(_sentences(bundle))
+    lead = tuple(sentences(bundle))
     try:
-        return sentences, (_picture(bundle),)
+        pixels = portrait(bundle, width=WIDTH_PX, height=HEIGHT_PX)
     except RenderingError:
-        return (*sentences, "There is no portrait, because there is no OpenGL on the machine that made this page."), ()
+        return (*lead, "There is no portrait, because there is no OpenGL on the machine that made this page."), ()
+    return lead, (picture_of(pixels, f"{bundle.manifest.name}, {bundle.manifest.pose}"),)
 
 
-def _picture(bundle: Bundle) -> Picture:
-    pixels = portrait(bundle, width=WIDTH_PX, height=HEIGHT_PX)
+def picture_of(pixels: Pixels, about: str) -> Picture:
+    """Return a picture of a page, shape (HEIGHT_PX, WIDTH_PX, 3)."""
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, "WEBP", quality=QUALITY, method=6)
     data = f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
-    return Picture(data, f"{bundle.manifest.name}, {bundle.manifest.pose}", str(WIDTH_PX // 2), str(HEIGHT_PX // 2))
+    return Picture(data, about, str(WIDTH_PX // 2), str(HEIGHT_PX // 2))
 
 
-def _sentences(bundle: Bundle) -> Iterator[str]:
+def sentences(bundle: Bundle) -> Iterator[str]:
+    """Yield what an infant is, where it is, and what it is to do."""
     manifest = bundle.manifest
     child = manifest.child
     length, weight = words.quantity(child.length_cm, "cm"), words.quantity(child.weight_kg, "kg")
