@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from functools import cache
+from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from types import FrameType
 from typing import get_type_hints
@@ -98,18 +99,7 @@ def load_plugins() -> None:
     """Add the kinds of all installed distributions, once; one that cannot be loaded is a warning."""
     for group in KINDS:
         for entry_point in sorted(installed_entry_points().select(group=group), key=lambda point: point.name):
-            distribution = entry_point.dist.name if entry_point.dist else ""
-            try:
-                with _time_limit():
-                    record = entry_point.load()
-                table = _table_of(record)
-                if table is not KINDS[entry_point.group][1]:
-                    raise KindError(f"it is a {table.what}, which does not belong to the group '{entry_point.group}'")
-                _add(record, table, distribution)
-            except _ImportTimeoutError:
-                _warn(entry_point.name, distribution, f"importing it takes more than {IMPORT_LIMIT_S:g} s")
-            except (Exception, SystemExit) as error:  # Whatever a stranger's package does, mimoc goes on without it.
-                _warn(entry_point.name, distribution, str(error) if isinstance(error, KindError) else repr(error))
+            _load(entry_point)
 
 
 def _add(record: Record, table: Kinds, distribution: str = "") -> None:
@@ -145,6 +135,22 @@ def _exists(module: str) -> bool:
         return find_spec(module) is not None
     except (ImportError, ValueError):  # Its package does not exist; it is no name.
         return False
+
+
+def _load(entry_point: EntryPoint) -> None:
+    """Add the record that an entry point names, or warn that this is impossible."""
+    distribution = entry_point.dist.name if entry_point.dist else ""
+    try:
+        with _time_limit():
+            record = entry_point.load()
+        table = _table_of(record)
+        if table is not KINDS[entry_point.group][1]:
+            raise KindError(f"it is a {table.what}, which does not belong to the group '{entry_point.group}'")
+        _add(record, table, distribution)
+    except _ImportTimeoutError:
+        _warn(entry_point.name, distribution, f"importing it takes more than {IMPORT_LIMIT_S:g} s")
+    except (Exception, SystemExit) as error:  # Whatever a stranger's package does, mimoc goes on without it.
+        _warn(entry_point.name, distribution, str(error) if isinstance(error, KindError) else repr(error))
 
 
 def _warn(name: str, distribution: str, reason: str) -> None:

@@ -79,16 +79,7 @@ class Water(Companion):
         turns, centres = data.geom_xmat[self._geoms].reshape(-1, 3, 3), data.geom_xpos[self._geoms]
         total = np.zeros(len(self._geoms))
         for body, low, high, volumes in self._waters:
-            # The share of each geom in this water, shape (n,), and the centre of what is below its surface, (n, 3).
-            frame = data.xmat[body].reshape(3, 3)
-            axes = self._half_axes[:, None] ** 2 * (frame.T @ turns)  # Row i: A² R' n for the axis i of the water.
-            reach = np.sqrt(np.einsum("gij,gij->gi", axes, frame.T @ turns))
-            place = (centres - data.xpos[body]) @ frame
-            until_high = np.clip((high - place) / reach, -1.0, 1.0)
-            below_high = _share_below(until_high)
-            share = (below_high - _share_below((low - place) / reach)).prod(axis=1)
-            lowered = 3 / 16 * (1 - until_high[:, 2] ** 2) ** 2 / np.maximum(below_high[:, 2], LEAST) / reach[:, 2]
-            places = centres - lowered[:, None] * np.einsum("gij,gj->gi", turns, axes[:, 2])
+            share, places = self._immersed(turns, centres, data, body, low, high)
             forces = -WATER_KG_M3 * (share * volumes)[:, None] * model.opt.gravity
             torques = np.cross(places - data.xipos[self._bodies], forces)
             np.add.at(data.xfrc_applied, self._bodies, np.hstack([forces, torques]))
@@ -98,6 +89,23 @@ class Water(Companion):
     def after_step(self, data: mujoco.MjData) -> None:
         """Leave the forces that others apply."""
         data.xfrc_applied[:] = self._others_n
+
+    def _immersed(
+        self, turns: FloatArray, centres: FloatArray, data: mujoco.MjData, body: int, low: FloatArray, high: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the share of each geom in some water, shape (n,), and the centre of what is below its surface, (n, 3).
+
+        The water is between two corners in the frame of its body, whose z axis is vertical.
+        """
+        frame = data.xmat[body].reshape(3, 3)
+        axes = self._half_axes[:, None] ** 2 * (frame.T @ turns)  # Row i: A² R' n for the axis i of the water.
+        reach = np.sqrt(np.einsum("gij,gij->gi", axes, frame.T @ turns))
+        place = (centres - data.xpos[body]) @ frame
+        until_high = np.clip((high - place) / reach, -1.0, 1.0)
+        below_high = _share_below(until_high)
+        share = (below_high - _share_below((low - place) / reach)).prod(axis=1)
+        lowered = 3 / 16 * (1 - until_high[:, 2] ** 2) ** 2 / np.maximum(below_high[:, 2], LEAST) / reach[:, 2]
+        return share, centres - lowered[:, None] * np.einsum("gij,gj->gi", turns, axes[:, 2])
 
 
 def _share_below(heights: FloatArray) -> FloatArray:
