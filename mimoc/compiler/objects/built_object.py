@@ -114,11 +114,9 @@ class Surroundings:
     """What objects are built for and placed among: the infant as it starts, and the floor."""
 
     tree: BodyTree
-    """The infant's body."""
     qpos: tuple[float, ...]
     """The state in which it starts, in the world."""
     start: Placement
-    """Where it starts."""
     half_size_m: tuple[float, float]
     """Of the floor, from its middle at the origin."""
     has_floor: bool

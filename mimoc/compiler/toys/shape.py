@@ -85,7 +85,6 @@ class ToyModel:
     category: str
     """Category of the object, as in Toys4K, such as `truck`."""
     parts: tuple[Part, ...]
-    """Its visible parts."""
     solids: tuple[Solid, ...]
     """Its collision shapes."""
     volume: float

@@ -20,8 +20,6 @@ from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
 MEASURES: tuple[str, ...] = get_args(Measure)
-BODY_MEASURES = MEASURES[:-2]
-"""Those of one moment, without what the posture is compared with."""
 
 
 @dataclass(frozen=True)
