@@ -424,7 +424,7 @@ class Simulation:
         if depths := overlaps(self.bare, self.data, roots):
             first, second = ([*self.infants][index] for index in next(iter(depths)))
             raise MimocError(
-                f"'{first}' and '{second}' are within each other in these poses, at these ages; reset to others"
+                f"'{first}' and '{second}' are within each other as they start; reset to other poses or ages"
             )
 
     def _restore(self, state: Mapping[str, Any]) -> None:

@@ -7,20 +7,24 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+import gymnasium
+
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
 from mimoc.compiler.world_sources import world_of
+from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infants import infants_of
-from mimoc.runtime.simulation import Simulation
+from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.page import Progress, describe, fill, page_of, with_posture
-from mimoc.viewer.world_page import page_of_world
+from mimoc.viewer.world_page import page_of_infants, page_of_world
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
@@ -73,7 +77,7 @@ class View:
 
 
 def view(
-    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | str | Path | Any",
+    shown: "Bundle | InfantSpec | WorldBundle | ReadRecording | gymnasium.Env | WorldEnv | Any",
     path: str | Path | None = None,
     *,
     physics: bool = False,
@@ -87,11 +91,12 @@ def view(
 
     Args:
         shown: A bundle or its folder, a spec or its file (.yaml, .yml); a recording or its folder; or an
-            environment on the CPU, whose infant is shown as it is now. Or a world of several infants, in any form that
-            `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time.
+            environment, whose infant is shown as it is now. Or a world of several infants, in any form that
+            `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time. Of a vector
+            environment it shows the first eight infants.
         path: Also write the page to this file, which ends in .html.
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act: 4 MB more.
-        infant: Which of several infants, that were recorded or are in a vector environment; by default the first one.
+        infant: Which of several recorded infants; the first one if it is not said.
         episode: Which recorded episode; the first one if it is not said.
         progress: Called with how much is done, and how much there is to do.
 
@@ -113,15 +118,17 @@ def view(
         from mimoc.viewer.episode_page import page_of_recording
 
         made = View(*page_of_recording(recording, infant, episode, physics, progress))
-    elif (simulation := _simulation_of(shown, infant)) is not None and episode is None:
-        if isinstance(simulation.bundle, WorldBundle):
-            made = View(page_of_world(_without_physics(simulation.bundle, physics), simulation, progress))
-        else:
-            made = View(_page_now(simulation, simulation.bundle, physics))
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
+    elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
+        made = View(_page_of_env(shown.unwrapped, physics))
+    elif isinstance(inside := getattr(shown, "unwrapped", shown), (WorldEnv, BatchEnv)):
+        _refuse(physics)
+        name = inside.bundle.manifest.name if isinstance(inside, WorldEnv) else "infants"
+        made = View(page_of_infants(name, infants_of("view", inside), progress))
     elif (world := world_of(shown)) is not None:
-        made = View(page_of_world(_without_physics(world, physics), progress=progress))
+        _refuse(physics)
+        made = View(page_of_world(world, progress))
     elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
         source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
         made = View(page_of(compiled(source), physics, progress))
@@ -131,6 +138,11 @@ def view(
     if place:
         made.save(place)
     return made
+
+
+def _refuse(physics: bool) -> None:
+    if physics:
+        raise MimocError("physics on a page is that of a single infant, and here are several")
 
 
 def is_recording(path: str | Path) -> bool:
@@ -150,27 +162,9 @@ def _recording_of(shown: object) -> "ReadRecording | None":
     return cast("ReadRecording", shown) if reading and isinstance(shown, reading.ReadRecording) else None
 
 
-def _simulation_of(shown: object, infant: int | None) -> Simulation | None:
-    """Return the simulation of an environment, of several that in which an infant is; None if it is none."""
-    try:
-        infants = [*infants_of("view", shown).values()]
-    except TypeError:
-        return None
-    if infant is not None and not 0 <= infant < len(infants):
-        raise MimocError(f"there is no infant {infant}; give a number from 0 to {len(infants) - 1}")
-    return infants[infant or 0].simulation
-
-
-def _without_physics(world: WorldBundle, physics: bool) -> WorldBundle:
-    """Return a world, or refuse to let its page have physics."""
-    if physics:
-        raise MimocError("physics on a page is that of a single infant, and this is a world with several")
-    return world
-
-
-def _page_now(simulation: Simulation, bundle: Bundle, physics: bool) -> str:
+def _page_of_env(env: InfantEnv, physics: bool) -> str:
     """Return the page of an infant that is as it is now."""
-    packed, infant = EncodedArrays(), own_parts(simulation.model, bundle.manifest)
-    about: dict[str, Any] = packed.put(describe(bundle, physics))
-    about = with_posture(about, packed, simulation.data.qpos[infant.qpos], bundle.manifest.child.length_cm)
-    return fill({**about, "surroundings": describe_surroundings(simulation.model, simulation.data, infant)}, packed)
+    packed, infant = EncodedArrays(), own_parts(env.model, env.manifest)
+    about: dict[str, Any] = packed.put(describe(env.bundle, physics))
+    about = with_posture(about, packed, env.data.qpos[infant.qpos], env.manifest.child.length_cm)
+    return fill({**about, "surroundings": describe_surroundings(env.model, env.data, infant)}, packed)

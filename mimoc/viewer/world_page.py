@@ -12,7 +12,7 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.variants import spec_of
-from mimoc.runtime.simulation import Simulation
+from mimoc.runtime.infant import Infant
 from mimoc.viewer.appearance import describe_materials, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
@@ -26,10 +26,8 @@ Place = tuple[FloatArray, FloatArray]
 """A place in [m], shape (3,), and an orientation as a quaternion, shape (4,)."""
 
 
-def page_of_world(
-    world: WorldBundle, simulation: Simulation | None = None, progress: Progress = lambda done, total: None
-) -> str:
-    """Return the page of a world as all start there, or as they are now in a simulation of it.
+def page_of_world(world: WorldBundle, progress: Progress = lambda done, total: None) -> str:
+    """Return the page of a world as all start there.
 
     Each infant is shown where it is alone, and the others are around it as they are around it in the world.
 
@@ -37,16 +35,50 @@ def page_of_world(
         BundleError: If the bundle does not contain the specs of its infants.
         MimocError: If an infant has other parts at other ages.
     """
-    model, data = (simulation.model, simulation.data) if simulation else _start(world)
-    packed, infants = EncodedArrays(), dict[str, Any]()
-    for number, (name, infant) in enumerate(world.infants.items()):
-        count, first = len(world.infants), number
+    model, data = _start(world)
+    return _page(world.manifest.name, {name: (one, model, data) for name, one in world.infants.items()}, progress)
 
-        def report(done: int, total: int, first: int = first, count: int = count) -> None:
-            progress(first * total + done, count * total)
 
-        infants[name] = _describe(infant, model, data, packed, report, is_now=simulation is not None) | {"name": name}
-    return fill({"name": world.manifest.name, "bounds": "", "physics": None, "infants": infants}, packed)
+def page_of_infants(name: str, infants: Mapping[str, Infant], progress: Progress = lambda done, total: None) -> str:
+    """Return the page of the infants of an environment as they are now; see `page_of_world`.
+
+    Of more than `MOST_SHOWN`, it shows the first ones.
+    """
+    shown = {called: (one.bundle, one.model, one.data) for called, one in [*infants.items()][:MOST_SHOWN]}
+    return _page(name, shown, progress, is_now=True)
+
+
+MOST_SHOWN = 8
+"""Infants of a vector environment that a page shows."""
+
+
+def _page(
+    name: str,
+    infants: Mapping[str, tuple[Bundle, mujoco.MjModel, mujoco.MjData]],
+    progress: Progress,
+    *,
+    is_now: bool = False,
+) -> str:
+    packed, known, about = EncodedArrays(), dict[int, tuple[Bundle, Any]](), dict[str, Any]()
+    for number, (called, (infant, model, data)) in enumerate(infants.items()):
+        if id(infant) not in known:
+
+            def report(done: int, total: int, first: int = number) -> None:
+                progress(first * total + done, len(infants) * total)
+
+            alone = build(spec_of(infant)) if infant.manifest.prefix else infant
+            known[id(infant)] = alone, packed.put(describe(alone, progress=report))
+        alone, described = known[id(infant)]
+        own, home = own_parts(model, infant.manifest), move_home(alone, infant, model)
+        around = describe_surroundings(model, data, own)
+        _add_skins(around, model, data, own.bodies)
+        move_bodies(around["bodies"], home)
+        about[called] = {**described, **with_surroundings(described, around, model), "name": called}
+        if is_now:
+            qpos = data.qpos[own.qpos]
+            qpos[:3], qpos[3:7] = composed(home, (qpos[:3].copy(), qpos[3:7].copy()))
+            about[called] = with_posture(about[called], packed, qpos, infant.manifest.child.length_cm)
+    return fill({"name": name, "bounds": "", "physics": None, "infants": about}, packed)
 
 
 def _start(world: WorldBundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -55,30 +87,6 @@ def _start(world: WorldBundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
     mujoco.mj_resetDataKeyframe(model, data, model.key(world.manifest.pose).id)
     mujoco.mj_forward(model, data)
     return model, data
-
-
-def _describe(
-    infant: Bundle,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    packed: EncodedArrays,
-    progress: Progress,
-    *,
-    is_now: bool,
-) -> dict[str, Any]:
-    """Return what a page knows of one infant, with the rest of its world around it."""
-    alone = build(spec_of(infant))
-    about: dict[str, Any] = packed.put(describe(alone, progress=progress))
-    own, alone_from_world = own_parts(model, infant.manifest), move_home(alone, infant, model)
-    around = describe_surroundings(model, data, own)
-    _add_skins(around, model, data, own.bodies)
-    move_bodies(around["bodies"], alone_from_world)
-    about |= with_surroundings(about, around, model)
-    if is_now:
-        qpos = data.qpos[own.qpos]
-        qpos[:3], qpos[3:7] = composed(alone_from_world, (qpos[:3].copy(), qpos[3:7].copy()))
-        about = with_posture(about, packed, qpos, infant.manifest.child.length_cm)
-    return about
 
 
 def move_bodies(bodies: dict[str, Any], move: Place) -> None:

@@ -86,6 +86,19 @@ def test_a_world_is_shown_by_infant_with_the_others_around_as_they_are():
         mimoc.view(world, physics=True)
 
 
+def test_the_first_infants_of_a_vector_environment_are_shown_as_they_are_now(spec):
+    envs = mimoc.make_vec(spec, num_envs=9)
+    envs.reset(seed=0)
+    envs.step(envs.action_space.sample())
+    infants = read_page(mimoc.view(envs).html)["infants"]
+    assert [*infants] == [str(row) for row in range(8)]
+    inner = envs.infants[3]
+    at_nine = infants["3"]["ages_months"].index(9)
+    now = inner.data.qpos[own_parts(inner.model, inner.manifest).qpos]
+    assert infants["3"]["poses"]["now"][at_nine] == pytest.approx(now, abs=1e-6)
+    envs.close()
+
+
 def test_a_recording_of_a_world_is_replayed_with_the_others_around(tmp_path):
     spec = mimoc.InfantSpec.model_validate(SPEC)
     env = mimoc.Recorder(shared_world({"anna": spec, "ben": spec}), tmp_path / "recording")
