@@ -31,8 +31,11 @@ if TYPE_CHECKING:
         ObjectJoint as ObjectJoint,
         World as World,
     )
-    from mimoc.compiler.objects.built_object import BuiltObject as BuiltObject, Surroundings as Surroundings
-    from mimoc.compiler.objects.names import object_name as object_name
+    from mimoc.compiler.objects.built_object import (
+        BuiltObject as BuiltObject,
+        Surroundings as Surroundings,
+        object_name as object_name,
+    )
     from mimoc.compiler.objects.pieces import solid as solid
     from mimoc.compiler.scenes.built_scene import SUN as SUN, BuiltScene as BuiltScene
     from mimoc.compiler.task_setup import TaskSetup as TaskSetup

@@ -1,7 +1,6 @@
 """The sense of vision of all infants on a device: what the eyes draw, with the acuity and foveation of each."""
 
-# pyright: reportArgumentType=false, reportCallIssue=false, reportReturnType=false
-
+import copy
 import functools
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -9,22 +8,25 @@ from typing import Any
 import mujoco
 import mujoco_warp as mjw
 import numpy as np
+import numpy.typing as npt
 import torch
 import warp as wp
 from gymnasium.spaces import Box
 
+from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.colours import Limits, limit_colours, limits_of
-from mimoc.components.senses.vision.device.eyes import Eyes
-from mimoc.components.senses.vision.flicker import filter_of
+from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
+from mimoc.components.senses.vision.flicker import fade, filter_of, noticed_share
 from mimoc.components.senses.vision.foveation import contrast_gain, source_weights, visual_field
-from mimoc.components.senses.vision.noticing import fade, noticed_share
 from mimoc.components.senses.vision.thresholds import Transform, cosine_matrix
 from mimoc.render.renderer import average_down
 from mimoc.runtime.batch.gymnasium_forms import mixture_error
 from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.signals import DeviceError, DeviceSetup
 from mimoc.runtime.sense import FloatArray, IntArray, Observation, Sample, Sense
+
+# pyright: reportArgumentType=false, reportCallIssue=false, reportReturnType=false
 
 
 class Filters:
@@ -139,7 +141,7 @@ class VisionReader:
         """Open the eyes.
 
         Raises:
-            MixtureError: If their eyes have pictures of different sizes.
+            BatchMismatchError: If their eyes have pictures of different sizes.
             DeviceError: If they are out of focus, which takes distances that are not drawn here, or are to see skins.
         """
         entries: list[Any] = [infant.manifest.senses.vision for infant in setup.infants]
@@ -202,3 +204,124 @@ def _check(entries: Sequence[VisionEntry]) -> None:
             ours, theirs = getattr(entries[0], name), getattr(entry, name)
             if ours != theirs:
                 raise mixture_error(f"0 and {number}", f"vision.{name} ({ours}, {theirs})")
+
+
+Picture = npt.NDArray[np.uint8]
+"""Shape (height, width, channels)."""
+
+COLUMNS_PER_FACE = 4
+"""How much wider a flat picture is than a face of its cube: four of them are around the equator."""
+ROWS_PER_FACE = 2
+CUBE = int(mujoco.mjtTexture.mjTEXTURE_CUBE)
+CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)
+SKY = int(mujoco.mjtTexture.mjTEXTURE_SKYBOX)
+
+
+def shared_textures(models: Sequence[mujoco.MjModel]) -> tuple[list[wp.Texture2D], list[IntArray]]:
+    """Return the textures of some models, each once, on Warp's present device, and where those of each model are.
+
+    Returns:
+        The textures, to be kept as long as they are used; and for each model the place of each of its textures in the
+        list, then -1, which is where MuJoCo's index for none leads.
+    """
+    places: dict[tuple[bytes, tuple[int, ...]], int] = {}
+    registry: list[wp.Texture2D] = []
+    tables = []
+    for model in models:
+        table = []
+        for index in range(model.ntex):
+            shape = int(model.tex_height[index]), int(model.tex_width[index]), int(model.tex_nchannel[index])
+            start = int(model.tex_adr[index])
+            picture = model.tex_data[start : start + int(np.prod(shape))].reshape(shape)
+            picture = flat_picture(picture, _is_on_limbs(model, index)) if model.tex_type[index] == CUBE else picture
+            key = picture.tobytes(), picture.shape
+            if key not in places:
+                places[key] = len(registry)
+                colours = np.ones((*picture.shape[:2], 4), np.float32)
+                colours[..., : picture.shape[2]] = picture / np.float32(255)
+                registry.append(wp.Texture2D(colours, filter_mode=wp.TextureFilterMode.LINEAR))
+            table.append(places[key])
+        tables.append(np.array([*table, -1]))
+    return registry, tables
+
+
+def flat_picture(cube: Picture, on_limbs: bool) -> Picture:
+    """Return a cube's texture by longitude and latitude, as the ray caster reads textures of whatever is round.
+
+    Around limbs, that is capsules, it finds the longitude in the same way, but not the latitude: they get what is
+    around the equator all along, which is right for stripes that run along them, as those of clothes do.
+
+    Args:
+        cube: The six faces from the top, in the order +x, -x, +y, -y, +z, -z, as OpenGL has them.
+        on_limbs: Whether it is drawn around limbs.
+    """
+    size_px = cube.shape[1]
+    columns, rows = COLUMNS_PER_FACE * size_px, ROWS_PER_FACE * size_px
+    longitude = (np.arange(columns) + 0.5) / columns * 2 * np.pi
+    latitude = (0.5 - (np.arange(rows) + 0.5) / rows)[:, None] * np.pi * (not on_limbs)
+    x, y = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
+    z = np.broadcast_to(np.sin(latitude), x.shape)
+    size = np.abs(np.stack([x, y, z]))
+    axis = size.argmax(axis=0)
+    positive = np.choose(axis, [x, y, z]) > 0
+    along = np.choose(axis, [np.where(positive, -z, z), x, np.where(positive, x, -x)]) / size.max(axis=0)
+    down = np.choose(axis, [-y, np.where(positive, z, -z), -y]) / size.max(axis=0)
+    column, row = (np.minimum((share + 1) / 2 * size_px, size_px - 1).astype(int) for share in (along, down))
+    return cube[(2 * axis + ~positive) * size_px + row, column]
+
+
+def _is_on_limbs(model: mujoco.MjModel, texture: int) -> bool:
+    materials = np.flatnonzero((model.mat_texid == texture).any(axis=1))
+    return bool((model.geom_type[np.isin(model.geom_matid, materials)] == CAPSULE).any())
+
+
+class Eyes:
+    """What the eyes of all infants see, without shadows and reflections, as on the CPU."""
+
+    def __init__(self, models: Sequence[mujoco.MjModel], entry: VisionEntry, body_of_world: IntArray, model: mjw.Model):
+        """Set aside room for pictures of the same sizes, and put textures of all bodies on Warp's present device."""
+        times, fovy_deg = entry.supersample, {float(fovy) for single in models for fovy in single.cam_fovy}
+        self._context = mjw.create_render_context(
+            _without(models[0], entry.unseen),
+            len(body_of_world),
+            cam_res=(times * entry.width_px, times * entry.height_px),
+            cam_active=list(entry.cameras),
+            render_rgb=True,
+            render_depth=False,
+            render_seg=False,
+            render_skybox=True,
+            use_precomputed_rays=len(fovy_deg) == 1,
+        )
+        self._shared, self._materials = model, None
+        registry, tables = shared_textures(models)
+        skies = np.array(
+            [
+                table[next(iter(np.flatnonzero(model.tex_type == SKY)), -1)]
+                for model, table in zip(models, tables, strict=True)
+            ]
+        )
+        widths = np.array([1 if sky < 0 else registry[sky].width for sky in skies])
+        self._context.textures, self._context.textures_registry = wp.array(registry, dtype=wp.Texture2D), registry
+        self._context.skybox_tex_id = wp.array(skies[body_of_world], dtype=int)
+        self._context.skybox_face_width = wp.array(widths[body_of_world], dtype=int)
+        if registry:
+            materials = np.stack([table[model.mat_texid] for model, table in zip(models, tables, strict=True)])
+            self._materials = wp.array(materials[body_of_world], dtype=int)
+
+    def __call__(self, data: mjw.Data) -> wp.array:
+        """Return packed colours, 0xAARRGGBB, of the pixels of one eye after the other, shape (worlds, pixels)."""
+        model = copy.copy(self._shared)  # Its arrays are those of the worlds, but for the materials' textures.
+        if self._materials is not None:
+            model.mat_texid = self._materials
+        mjw.refit_bvh(model, data, self._context)
+        mjw.render(model, data, self._context)
+        return self._context.rgb_data
+
+
+def _without(model: mujoco.MjModel, bodies: Sequence[str]) -> mujoco.MjModel:
+    """Return a copy of a model in which some bodies are not drawn."""
+    shown = copy.copy(model)
+    shown.geom_group[shown.geom_group == SOLIDS_GROUP] = 0  # Its ray caster draws no skins.
+    hidden = [model.body(body).id for body in bodies]
+    shown.geom_group[np.isin(model.geom_bodyid, hidden)] = HIDDEN_GROUP
+    return shown

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from mimoc.compiler.mjcf.furniture import RAIL_RADIUS_M, WorldGeom
-from mimoc.components.scenes.crib.build import LEGS_M, Crib, crib
+from mimoc.components.scenes.crib import LEGS_M, Crib, crib
 
 LENGTHS = st.floats(0.35, 1.2)
 SIDES = ("front", "back", "left", "right")

@@ -141,7 +141,6 @@ def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
 
 
 def _posts(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
-    """Yield the four corner posts, from the floor to a little above the rail."""
     top = rail + KNOB_M
     size = (POST_HALF_M, POST_HALF_M, (top + LEGS_M) / 2)
     for x_name, x in ("front", length / 2 + POST_HALF_M), ("back", -length / 2 - POST_HALF_M):
