@@ -11,12 +11,12 @@ from mimoc.base.lazy import names_of
 if TYPE_CHECKING:
     from mimoc.anatomy.dimensions import BodyGeometry as BodyGeometry, GeomShape as GeomShape
     from mimoc.anatomy.part import (
+        PartKind as PartKind,
         ReferenceGeom as ReferenceGeom,
         ReferenceJoint as ReferenceJoint,
         ReferenceMotor as ReferenceMotor,
         ReferencePart as ReferencePart,
     )
-    from mimoc.anatomy.part_kind import PartKind as PartKind
     from mimoc.base.quantities import Quantity as Quantity
     from mimoc.bundle.regular_files import UnusableFileError as UnusableFileError
     from mimoc.compiler.mjcf.furniture import (
@@ -31,8 +31,11 @@ if TYPE_CHECKING:
         ObjectJoint as ObjectJoint,
         World as World,
     )
-    from mimoc.compiler.objects.built_object import BuiltObject as BuiltObject, Surroundings as Surroundings
-    from mimoc.compiler.objects.names import object_name as object_name
+    from mimoc.compiler.objects.built_object import (
+        BuiltObject as BuiltObject,
+        Surroundings as Surroundings,
+        object_name as object_name,
+    )
     from mimoc.compiler.objects.pieces import solid as solid
     from mimoc.compiler.scenes.built_scene import SUN as SUN, BuiltScene as BuiltScene
     from mimoc.compiler.task_setup import TaskSetup as TaskSetup

@@ -6,8 +6,7 @@ import numpy as np
 from pictures import adult, ceilings, cloth, cubes, face, floors, framed, hair, skin, walls
 from pictures.inks import Painted, with_palette
 
-from mimoc.compiler.looks.colours import INKS
-from mimoc.compiler.looks.palettes import MIXTURES
+from mimoc.compiler.looks.colours import INKS, MIXTURES
 from mimoc.compiler.looks.pictures import FOLDER, encode_palette_png
 from mimoc.compiler.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS
 from mimoc.schema.expressions import ADULT_EXPRESSIONS, EXPRESSIONS

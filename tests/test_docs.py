@@ -58,6 +58,14 @@ def test_the_programs_that_run_many_infants_work(here, capsys):
     assert capsys.readouterr().out.startswith("(8, ")
 
 
+def test_the_program_on_kinds_of_environments_works(here):
+    (program,) = blocks("docs/environments.md", "python")
+    session: dict = {}
+    exec(program, session)
+    assert session["worlds"].get_attr("age_months") == (6.0, 7.0, 6.0, 9.0)
+    assert [*session["episodes"]] == ["anna", "ben"]
+
+
 def test_the_programs_on_growing_work(here):
     session: dict[str, object] = {}
     for program in blocks("docs/growing.md", "python"):

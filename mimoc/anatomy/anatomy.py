@@ -3,8 +3,7 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mimoc.anatomy.part import Development, ReferenceGeom, ReferenceMotor, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import Development, PartKind, ReferenceGeom, ReferenceMotor, ReferencePart
 from mimoc.anatomy.parts import ARM, EYES, FLAT_FEET, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.anatomy.parts.trunk import CHEST_JOINTS, CHEST_MOTORS, FOLDING, MIMOS_PAIRS
 from mimoc.anatomy.published_figures import published_part
@@ -44,13 +43,11 @@ class Anatomy:
     """A reference body: everything that does not depend on age."""
 
     hands: str
-    """Kind of its hands."""
     extra: tuple[str, ...]
     """Kinds of parts that it has besides MIMo's."""
     development: Development
     """The law of strength, joints and proportions."""
     kinds: tuple[PartKind, ...]
-    """All that it is assembled from."""
     feet: PartKind
     parts: Sided
     """Side (empty for the midline) and part, parents first, in MIMo's order, by that law."""
@@ -64,7 +61,6 @@ class Anatomy:
     """Pairs of geoms that slide on each other."""
 
     def __repr__(self) -> str:
-        """Return what it was assembled from."""
         return f"Anatomy({self.hands!r}, {self.development!r}, extra={self.extra!r})"
 
     @property
@@ -164,7 +160,10 @@ def _maturing(parts: Sided, feet: Collection[str]) -> Sided:
 
 def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[str]) -> ReferencePart:
     if any(geom.name == MITTENS_FINGERS for geom in part.geoms):
-        geoms = (_gripping(geom) if geom.name == MITTENS_FINGERS else geom for geom in part.geoms)
+        geoms = (
+            replace(geom, friction=GRIP, condim=GRIP_DIMENSIONS, grips=True) if geom.name == MITTENS_FINGERS else geom
+            for geom in part.geoms
+        )
         return replace(part, geoms=tuple(geoms))
     if part.name in feet:
         return replace(part, geoms=tuple(replace(geom, rule=geom.rule + FOOT_RULE) for geom in part.geoms))
@@ -180,10 +179,6 @@ def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[st
     if neck in part.geoms:
         return replace(part, geoms=tuple(geom for geom in part.geoms if geom is not neck))
     return part
-
-
-def _gripping(fingers: ReferenceGeom) -> ReferenceGeom:
-    return replace(fingers, friction=GRIP, condim=GRIP_DIMENSIONS, grips=True)
 
 
 def _ankles(foot: PartKind) -> Iterator[tuple[str, str]]:

@@ -27,7 +27,6 @@ class BodyGeometry:
     """Anchors of the joints that are not at the origin of their body."""
 
     def __or__(self, other: "BodyGeometry") -> "BodyGeometry":
-        """Return the union of both."""
         return BodyGeometry(
             {**self.origins, **other.origins}, {**self.shapes, **other.shapes}, {**self.anchors, **other.anchors}
         )
@@ -48,19 +47,7 @@ def mirror_turn(vector: Vec3, left: bool) -> Vec3:
 def along(
     what: str, length_m: float, radius_m: float, embed_m: float, y_m: float = 0.0, down: bool = False
 ) -> GeomShape:
-    """Return a capsule along z, whose axis starts at its joint and which ends beyond the next joint.
-
-    Args:
-        what: The limb, for errors.
-        length_m: From joint to joint.
-        radius_m: Of the capsule.
-        embed_m: How far beyond the next joint it ends.
-        y_m: How far its axis is to the left of its joint.
-        down: Whether it is along -z.
-
-    Raises:
-        GeometryError: If the limb is wider than it is long.
-    """
+    """Return a capsule on z from a joint to *embed_m* beyond the next; GeometryError if it is wider than long."""
     axis_m = length_m + embed_m - radius_m
     if axis_m <= 0:
         raise GeometryError(f"{what}: a limb {length_m:.3f} m long cannot be {2 * radius_m:.3f} m thick")

@@ -1,9 +1,11 @@
 """What the tables of the reference body hold: all about a part that does not grow, and what its size follows."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from mimoc.base.geometry.rotations import Vec3
+from mimoc.base.kinds import Code
 
 GeomType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
 Development = Literal["maturing", "published"]
@@ -71,7 +73,6 @@ class ReferenceGeom:
     grips: bool = False
     """Whether its contacts are those of a hand that holds on (`mimoc.anatomy.anatomy.GRIP`)."""
     slippery: bool = False
-    """Whether nothing rubs on it."""
     mass_at_m: tuple[float, ...] = ()
     """The size at which it has this mass, where that is not its size in the average child of 18 months."""
 
@@ -140,3 +141,22 @@ class ReferencePart:
     """MIMo's name of the site that measures the torque between it and its parent; empty is none."""
     runs_along_x: bool = False
     """Whether its length runs along x; that of other parts runs along z."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartKind:
+    """Parts of the body that belong together: a tail, a pair of wings, other hands."""
+
+    name: str
+    """Name in the spec's `body.extra`, or value of its `body.hands`."""
+    about: str
+    parts: "tuple[ReferencePart, ...]"
+    """Their joints, geoms and motors at 18 months, parents first; a name with `{side}` is on both sides."""
+    shape: Code
+    """`shape(proportions) -> Dimensions`: sizes and places of the geoms, and places of the parts, of the right side."""
+    replaces: Literal["hands"] | None = None
+    """What it is in place of; None is an addition. Hands begin with `{side}_hand`, which is on `{side}_lower_arm`."""
+    excluded: tuple[tuple[str, str], ...] = ()
+    """Pairs of bodies without contacts."""
+    masses_kg: Mapping[str, float] = field(default_factory=dict)
+    """Masses at 18 months that geoms of other parts have with these, where they are not the usual ones."""

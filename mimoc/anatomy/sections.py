@@ -85,14 +85,8 @@ def measured_trunk(
 ) -> Trunk:
     """Return the trunk of a child: sections from girths and breadths, height from crown-rump length and head.
 
-    Args:
-        m: Measurements in [m], by AnthroKids name.
-        base: The same before any of them was replaced.
-        head_radius_m: Half the height of the head.
-        arm_radius_m: Of the upper arm.
-
-    Raises:
-        GeometryError: If a measurement does not fit the others.
+    Measurements are in [m], by AnthroKids name; *base* has them before any was replaced. Raises a GeometryError if a
+    measurement does not fit the others.
     """
     room_m = m["crown_rump_length"] - 2 * head_radius_m
     pelvis = section("hip", m, base, ("hip_circumference", "hip_breadth"), HIP)
@@ -110,13 +104,16 @@ def measured_trunk(
         apart_m=ribs[0] + arm_radius_m + CLEARANCE_M,
     )
     inwards_m = min(wanted_m, room_inwards_m)
+    # The axes of the upper arms are as far behind the girdle as it is behind the chest.
+    radius_m = GIRDLE * ribs[0]
+    beside_m = math.sqrt((radius_m + arm_radius_m + CLEARANCE_M) ** 2 - (GIRDLE_BACK * ribs[0]) ** 2)
     return Trunk(
         axial=axial,
         pelvis=pelvis,
         waist=waist,
         belly=ribs,
         ribs=ribs,
-        girdle=_girdle(ribs[0], shoulder_y_m - inwards_m, arm_radius_m),
+        girdle=(radius_m, shoulder_y_m - inwards_m - beside_m + radius_m),
         shoulder_y_m=shoulder_y_m,
         arm_inwards_m=inwards_m,
         hip_y_m=HIP_SPACING / 2 * m["hip_breadth"],
@@ -133,26 +130,13 @@ def _no_deeper(wanted: Section, radius_m: float) -> Section:
     return wanted[0] * factor, wanted[1] * math.sqrt(factor)
 
 
-def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Section:
-    """Return the section between the upper arms, whose axes are as far behind it as it is behind the chest."""
-    radius_m = GIRDLE * chest_radius_m
-    beside_m = math.sqrt((radius_m + arm_radius_m + CLEARANCE_M) ** 2 - (GIRDLE_BACK * chest_radius_m) ** 2)
-    return radius_m, arm_y_m - beside_m + radius_m
-
-
 def room_beside(
     outwards_m: float, above_m: float, behind_m: float, apart_m: float, abduction_deg: float = REST_ABDUCTION_DEG
 ) -> float:
     """Return how far an arm at rest can be moved towards the midline until its axis is so near that of the chest.
 
-    Seen along the arm, its axis and the end of the chest's axis are points; the chest is the lower of the two.
-
-    Args:
-        outwards_m: How far the shoulder joint is to the side of the end of the chest's axis.
-        above_m: How far it is above it.
-        behind_m: How far it is behind it, or in front of it.
-        apart_m: The distance of the axes that is kept.
-        abduction_deg: Angle between the arm and the vertical.
+    Seen along the arm, its axis and the end of the chest's axis are points, *outwards_m*, *above_m* and *behind_m* from
+    each other; the chest is the lower of the two, and *apart_m* the distance that is kept.
     """
     tilt_rad = deg_to_rad(abduction_deg)
     beside_m = outwards_m * math.cos(tilt_rad) + above_m * math.sin(tilt_rad)
@@ -183,11 +167,7 @@ def section(
 
 
 def stadium(what: str, girth_m: float, breadth_m: float) -> Section:
-    """Return the section of girth 2 pi r + 4 h and breadth 2 (r + h), or as near as a capsule comes to both.
-
-    Raises:
-        GeometryError: If neither can be had within `GIVE`.
-    """
+    """Return the section of girth 2 pi r + 4 h and breadth 2 (r + h), within `GIVE`, or raise a GeometryError."""
     asked = girth_m / breadth_m
     possible = min(max(asked, FLATTEST), ROUNDEST)
     give = math.sqrt(possible / asked)

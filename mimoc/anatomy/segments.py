@@ -43,12 +43,6 @@ def _mimos_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: flo
     )
 
 
-def _mimos_arm(m: Mapping[str, float]) -> tuple[float, float]:
-    """Return the lengths of MIMo's upper arm and forearm, in the reference body's proportion to measured ones."""
-    to_wrist_m, reference_m = (of["elbow_hand_length"] - of["hand_length"] for of in (m, REFERENCE_M))
-    return 0.1076 * share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
-
-
 def _mimos_leg(
     m: Mapping[str, float], base: Mapping[str, float], leg_m: float, foot_height_m: float
 ) -> tuple[float, float]:
@@ -160,22 +154,19 @@ class Proportions:
 def proportions(
     m: Mapping[str, float], base: Mapping[str, float], mimos: bool = False, foot_height: float = 1.0
 ) -> Proportions:
-    """Return the proportions of a child, or of one of its sides.
+    """Return the proportions of a child, or of one of its sides; raise a GeometryError if measurements do not fit.
 
-    Args:
-        m: Measurements in [m], by AnthroKids name.
-        base: The same before any of them was replaced: the reference for replaced lengths of the leg.
-        mimos: Whether trunk and limbs are those whose volumes strength and masses follow.
-        foot_height: Height of the feet relative to MIMo's; the legs are as much shorter.
-
-    Raises:
-        GeometryError: If a measurement does not fit the others.
+    Measurements are in [m], by AnthroKids name; *base* has them before any was replaced. With *mimos*, trunk and limbs
+    are those whose volumes strength and masses follow; *foot_height* is relative to MIMo's, and the legs are as much
+    shorter.
     """
     head_radius_m = radius_of(m["head_circumference"])
     arm_radius_m, foot = radius_of(m["upper_arm_circumference"]), _foot(m, foot_height)
     if mimos:
         trunk = _mimos_trunk(m, head_radius_m, arm_radius_m)
-        upper_arm_m, forearm_m = _mimos_arm(m)
+        # In the reference body's proportion to measured lengths.
+        to_wrist_m, reference_m = (of["elbow_hand_length"] - of["hand_length"] for of in (m, REFERENCE_M))
+        upper_arm_m, forearm_m = 0.1076 * share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
         thigh_m, shank_m = _mimos_leg(m, base, _leg_length(m, trunk, foot), foot.half_height_m)
     else:
         trunk = measured_trunk(m, base, head_radius_m, arm_radius_m)
@@ -183,13 +174,22 @@ def proportions(
         thigh_m, shank_m = _leg(m, base, trunk, foot)
     thigh = Limb(thigh_m, radius_of(m["mid_thigh_circumference"]))
     shank = Limb(shank_m, radius_of(m["calf_circumference"]))
+    # Head length and breadth, both by the factor that gives the circumference.
+    factor = m["head_circumference"] / ellipse_perimeter(m["head_length"] / 2, m["head_breadth"] / 2)
     return Proportions(
         head_radius_m=head_radius_m,
-        head_half_axes_m=_head_half_axes(m),
+        head_half_axes_m=(factor * m["head_length"] / 2, factor * m["head_breadth"] / 2),
         trunk=trunk,
         upper_arm=Limb(upper_arm_m, arm_radius_m),
         forearm=Limb(forearm_m, radius_of(m["forearm_circumference"])),
-        hand=_hand(m, base),
+        hand=Hand(
+            length_m=m["hand_length"],
+            half_breadth_m=m["hand_breadth"] / 2,
+            half_fist_m=m["maximum_fist_breadth"] / 2,
+            half_thickness_m=hand_half_thickness(m),
+            finger_radius_m=_finger_radius(m, base, "middle_finger_diameter", FINGER_ROOM),
+            thumb_radius_m=_finger_radius(m, base, "thumb_diameter", THUMB_ROOM),
+        ),
         thigh=thigh,
         shank=shank,
         knee_forward_m=KNEE_FORWARD * max(0.0, thigh.radius_m - shank.radius_m),
@@ -211,18 +211,6 @@ def _arm(m: Mapping[str, float]) -> tuple[float, float]:
     return whole_m - beyond_m, to_wrist_m - behind_m
 
 
-def _hand(m: Mapping[str, float], base: Mapping[str, float]) -> Hand:
-    """Return a hand; in a stout child the thickness of fingers is limited by their spacing, unless it is given."""
-    return Hand(
-        length_m=m["hand_length"],
-        half_breadth_m=m["hand_breadth"] / 2,
-        half_fist_m=m["maximum_fist_breadth"] / 2,
-        half_thickness_m=hand_half_thickness(m),
-        finger_radius_m=_finger_radius(m, base, "middle_finger_diameter", FINGER_ROOM),
-        thumb_radius_m=_finger_radius(m, base, "thumb_diameter", THUMB_ROOM),
-    )
-
-
 def _finger_radius(m: Mapping[str, float], base: Mapping[str, float], name: str, room: float) -> float:
     return m[name] / 2 if m[name] != base[name] else min(m[name] / 2, room * m["hand_length"])
 
@@ -239,12 +227,6 @@ def _foot(m: Mapping[str, float], relative_height: float) -> Foot:
 def foot_half_height(m: Mapping[str, float]) -> float:
     """Return half of the height of a foot, MIMo's in proportion to its length and breadth, in [m]."""
     return 0.01 * ((m["foot_length"] + m["foot_breadth"]) / (REFERENCE_M["foot_length"] + REFERENCE_M["foot_breadth"]))
-
-
-def _head_half_axes(m: Mapping[str, float]) -> tuple[float, float]:
-    """Return half of head_length and half of head_breadth, both by the factor that gives head_circumference."""
-    factor = m["head_circumference"] / ellipse_perimeter(m["head_length"] / 2, m["head_breadth"] / 2)
-    return factor * m["head_length"] / 2, factor * m["head_breadth"] / 2
 
 
 def _leg(m: Mapping[str, float], base: Mapping[str, float], trunk: Trunk, foot: Foot) -> tuple[float, float]:

@@ -15,15 +15,7 @@ PATH = (str, os.PathLike)
 
 
 def import_class(name: str, example: str) -> type[Any]:
-    """Return the class that is named as `module:Class`; the module can be in the current folder.
-
-    Args:
-        name: Names of module and class.
-        example: What such a name looks like, for the message.
-
-    Raises:
-        MimocError: If there is no such module or class.
-    """
+    """Return the class named `module:Class`, or raise a MimocError with an *example* of such a name."""
     module_name, _, attribute = name.partition(":")
     if not attribute:
         raise MimocError(f"'{name}' does not name a class; write MODULE:CLASS, such as {example}")
@@ -63,17 +55,7 @@ def takes(expected: str, *classes: type | str) -> Callable[[Callable[P, R]], Cal
 
 
 def check_class(function: str, given: object, expected: str, *classes: type | str) -> None:
-    """Check what a function takes.
-
-    Args:
-        function: Its name, for the error.
-        given: Its argument.
-        expected: What it takes, for the error, such as "a spec".
-        classes: The classes that there are of that; by name where it would have to be imported for this alone.
-
-    Raises:
-        TypeError: If it is of another class.
-    """
+    """Raise a TypeError unless an argument has one of some classes, by name where an import would be for this alone."""
     types = tuple(kind for kind in classes if isinstance(kind, type))
     if not isinstance(given, types) and not {kind.__name__ for kind in type(given).__mro__}.intersection(classes):
         raise TypeError(f"{function}: expected {expected}, got {described(given)}")

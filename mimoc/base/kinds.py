@@ -70,11 +70,7 @@ class Kinds(Mapping[str, K]):
         return "mimoc" if name in self.builtin else self._added[name][1]
 
     def add(self, record: K, distribution: str = "") -> None:
-        """Add somebody else's record; a script may replace what it registered before.
-
-        Raises:
-            KindError: If its name is no identifier in lower case, or is taken.
-        """
+        """Add somebody else's record, which a script may replace; KindError if its name is invalid or taken."""
         if not NAME.fullmatch(record.name):
             raise KindError(f"'{record.name}' cannot name a {self.what}; use lower-case letters, digits and '_'")
         if record.name in self and (distribution or self.distribution(record.name)):
@@ -119,11 +115,7 @@ def installed_entry_points() -> EntryPoints:
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:
-    """Return the function that a record means: *code* itself, or what has this name in the module.
-
-    Raises:
-        KindError: If somebody else's module cannot be imported, or has no such function.
-    """
+    """Return *code* itself, or what has this name in the module, or raise a KindError if somebody else's lacks it."""
     if not isinstance(code, str):
         return code
     if code.startswith("mimoc."):

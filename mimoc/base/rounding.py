@@ -102,7 +102,6 @@ def render_json(data: Any, levels: int = 99) -> bytes:
 
 
 def _json(data: Any, levels: int, margin: str = "\n") -> str:
-    """Return the JSON of *data*; *margin* begins each line."""
     if isinstance(data, str):
         return encode_basestring(data)
     if isinstance(data, float):

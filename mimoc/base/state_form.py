@@ -26,7 +26,12 @@ def check_form(given: Any, expected: Any, where: str = "") -> None:
         for item, like in zip(checked_list(given, where, len(expected)), expected, strict=True):
             check_form(item, like, where)
     elif isinstance(expected, np.ndarray):
-        _check_array(given, expected, where)
+        if not isinstance(given, np.ndarray) or (given.shape, given.dtype) != (expected.shape, expected.dtype):
+            raise ValueError(
+                f"state does not fit this infant, it may be of another: {where} is {_told(given)}, "
+                f"expected {_told(expected)}"
+            )
+        check_finite(given, where)
     else:
         demand(_is_like(given, expected), where, given)
 
@@ -52,15 +57,6 @@ def _is_like(given: Any, expected: Any) -> bool:
     if isinstance(expected, (int, np.integer)):
         return isinstance(given, (int, np.integer)) and not isinstance(given, bool)
     return isinstance(given, (int, float, np.floating)) and bool(given < math.inf)  # -inf: a time that never was.
-
-
-def _check_array(given: Any, expected: np.ndarray, where: str) -> None:
-    if not isinstance(given, np.ndarray) or (given.shape, given.dtype) != (expected.shape, expected.dtype):
-        raise ValueError(
-            f"state does not fit this infant, it may be of another: {where} is {_told(given)}, "
-            f"expected {_told(expected)}"
-        )
-    check_finite(given, where)
 
 
 def check_finite(given: npt.NDArray[Any], where: str) -> None:

@@ -41,11 +41,7 @@ def months_to_days(age_months: float) -> float:
 
 
 def to_steps(time_ms: float, timestep_ms: float) -> int:
-    """Return a time as a whole number of physics steps, as near as times in files are, of nine digits.
-
-    Raises:
-        ValueError: If it is not a whole number of steps; the message names the nearest time that is.
-    """
+    """Return a time as whole physics steps, to nine digits; a ValueError names the nearest time that is."""
     steps = time_ms / timestep_ms
     if abs(steps - round(steps)) > 1e-6 + 1e-8 * steps:
         nearest_ms = round(steps) * timestep_ms

@@ -60,7 +60,6 @@ def composition(child: Measurements, spec: InfantSpec) -> Composition:
 
 
 def _fat_percent(child: Measurements, individual: IndividualSpec, months_early: float) -> float:
-    """Return the share of fat in the weight of a child, in [%]."""
     if individual.fat_percent is not None:
         return individual.fat_percent
     if individual.fat_percentile is not None:

@@ -38,16 +38,9 @@ class GrownBody:
 
 
 def grow_body(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
-    """Return the body of a spec's child.
+    """Return the body of a spec's child, compared with a *reference* of the same anatomy and any age.
 
-    Args:
-        spec: The spec.
-        reference: What children of the same anatomy are compared with, at whatever age; by default, it is made.
-
-    Raises:
-        IndividualError: If no child matches the requested individual.
-        GeometryError: If no body has its measurements.
-        ContractureError: If a contracture leaves nothing of a joint's range.
+    Raises an IndividualError, a GeometryError or a ContractureError if no child, body or range of a joint is like that.
     """
     reference = reference_of(spec, reference)
     return grow_child(spec, measure_child(spec, reference), reference)
@@ -62,11 +55,7 @@ def reference_of(spec: InfantSpec, known: Reference | None = None) -> Reference:
 
 
 def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
-    """Return the measurements of a spec's child: those of its age, individualised, and replaced where the spec says so.
-
-    Raises:
-        IndividualError: If no child matches the requested individual.
-    """
+    """Return the measurements of a spec's child, individualised, and replaced as it says, or an IndividualError."""
     return measure_individual(spec, *_measured(spec, reference))
 
 
@@ -85,12 +74,7 @@ def _measured(spec: InfantSpec, reference: Reference) -> tuple[Measurements, Wei
 
 
 def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> GrownBody:
-    """Return the body of a spec's child that has been measured, without removed limbs.
-
-    Raises:
-        GeometryError: If no body has these measurements.
-        ContractureError: If a contracture leaves nothing of a joint's range.
-    """
+    """Return the body of a measured child without removed limbs, or a GeometryError or ContractureError."""
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
     composed = composition(child, spec)
     tree, masses = _grow(child, reference, scales, composed)
@@ -108,11 +92,7 @@ def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> G
 
 
 def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:
-    """Return the body of a child, with the strength of its size and age, and *scales* of single parts.
-
-    Raises:
-        GeometryError: If no body has these measurements.
-    """
+    """Return the body of a child of some strength, with *scales* of single parts, or raise a GeometryError."""
     return _grow(child, reference_body(anatomy, child.age_months), scales)[0]
 
 
@@ -124,7 +104,6 @@ def grow_average(age_months: float, anatomy: Anatomy) -> BodyTree:
 def _grow(
     child: Measurements, reference: Reference, scales: Scales = NO_SCALES, composed: Composition = AVERAGE
 ) -> tuple[BodyTree, Masses]:
-    """Return the body that a child has grown to, and its masses."""
     anatomy = reference.anatomy
     shapes = shape_parts(child, reference, scales)
     masses = weigh_parts(shapes, reference)

@@ -17,12 +17,7 @@ def head_radius(head: Geom) -> float:
 
 
 def on_head(head: Geom, place: Vec3) -> Vec3:
-    """Return a place in the frame of the head's body, in [m].
-
-    Args:
-        head: The head's geom.
-        place: From its centre, in half axes: x forward, y left, z up.
-    """
+    """Return a place in the frame of the head's body, in [m], from one in half axes: x forward, y left, z up."""
     x, y, z = (middle + half_m * part for middle, half_m, part in zip(head.pos_m, half_axes(head), place, strict=True))
     return x, y, z
 

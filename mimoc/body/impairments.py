@@ -36,11 +36,7 @@ proportion between. That preterm infants have less flexor tone at term was found
 
 
 def impair(tree: BodyTree, impairments: ImpairmentsSpec) -> BodyTree:
-    """Return the body of a child with some impairments, from that of a healthy child of its corrected age.
-
-    Raises:
-        ContractureError: If nothing is left of a joint's range.
-    """
+    """Return the impaired body of a child from a healthy one of its corrected age, or raise a ContractureError."""
     asked = impairments.complete
     joints = dict(tree.joints)
     tones = in_regions(asked.tone, joints)

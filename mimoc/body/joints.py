@@ -161,7 +161,6 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFacto
 
 
 def _matured(joint: Joint, figures: ReferenceJoint, group: str, growth: MaturationFactors) -> Joint:
-    """Return a joint by the law `maturing`."""
     age_months = growth.mature_months
     at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, growth)
     low, high = figures.range_deg
@@ -299,7 +298,6 @@ def _maturing_origins(figures: ReferenceJoint, joint: str, group: str, growth: M
 
 
 def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:
-    """Yield the origins of the angles that change with age."""
     newborn_deg, relaxed = NEWBORN_FIST_DEG.get(figures.name), RELAXED.get(figures.name)
     if newborn_deg is not None:
         rest = f"by {LAW}, from {newborn_deg:g} degrees at birth (fists: Amiel-Tison, Ballard; M)"

@@ -70,11 +70,26 @@ def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
 
 def pose_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Posed:
     """Return what `pose` does, to the bit, of p poses at once; arrays have p as their first axis."""
-    return _posed(tree, _frames_of_all(tree, poses_rad))
+    count, joints = len(poses_rad), tree.joints
+    angles = [[angles_rad.get(name, 0.0) for angles_rad in poses_rad] for name in joints]
+    rotations = matrices_from_axes([joint.axis for joint in joints.values()], angles)
+    turns = dict(zip(joints, zip(angles, rotations, strict=True), strict=True))
+    placed: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
+    for body in tree.bodies:
+        origin, turn = placed[body.parent]
+        origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
+        for joint in body.joints:
+            angles_rad, rotation = turns[joint.name]
+            turned = [index for index, angle in enumerate(angles_rad) if angle]
+            if turned:
+                anchor_m, before = np.array(joint.anchor_m), turn[turned]
+                turn[turned] = after = before @ rotation[turned]
+                origin[turned] = origin[turned] + before @ anchor_m - after @ anchor_m
+        placed[body.name] = origin, turn
+    return _posed(tree, {body.name: placed[body.name] for body in tree.bodies})
 
 
 def _posed(tree: BodyTree, placed: Mapping[str, Frame]) -> Posed:
-    """Return the geoms of a body from the frames of its parts."""
     geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
     homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
     origins = np.stack([origin for origin, _ in homes], axis=-2)
@@ -126,12 +141,7 @@ def _walk(
 
 
 def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
-    """Return origin and rotation of every part in the world, shapes (3,) and (3, 3).
-
-    Args:
-        tree: The body.
-        state: Position and quaternion of the hip, then the hinges (qpos).
-    """
+    """Return origin and rotation of every part in the world, shapes (3,) and (3, 3), from qpos."""
     hip, turn = hip_in_world(state)
     angles_rad = dict(zip(tree.joints, state[7:], strict=False))
     placed = frames(tree, angles_rad)
@@ -153,27 +163,6 @@ def body_reaches(tree: BodyTree, state: Sequence[float], direction: Vec3) -> dic
         owner: max(reach for reach, other in zip(reaches_m.tolist(), owners, strict=True) if other == owner)
         for owner in owners
     }
-
-
-def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> dict[str, Frame]:
-    """Return what `frames` does, of p poses at once: shapes (p, 3) and (p, 3, 3)."""
-    count, joints = len(poses_rad), tree.joints
-    angles = [[angles_rad.get(name, 0.0) for angles_rad in poses_rad] for name in joints]
-    rotations = matrices_from_axes([joint.axis for joint in joints.values()], angles)
-    turns = dict(zip(joints, zip(angles, rotations, strict=True), strict=True))
-    placed: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
-    for body in tree.bodies:
-        origin, turn = placed[body.parent]
-        origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
-        for joint in body.joints:
-            angles_rad, rotation = turns[joint.name]
-            turned = [index for index, angle in enumerate(angles_rad) if angle]
-            if turned:
-                anchor_m, before = np.array(joint.anchor_m), turn[turned]
-                turn[turned] = after = before @ rotation[turned]
-                origin[turned] = origin[turned] + before @ anchor_m - after @ anchor_m
-        placed[body.name] = origin, turn
-    return {body.name: placed[body.name] for body in tree.bodies}
 
 
 class Stature(TypedDict):

@@ -43,13 +43,7 @@ def limits_of(development: Development) -> tuple[tuple[str, tuple[float, ...]], 
 
 
 def limit_margin(figures: ReferenceJoint, group: str, range_deg: tuple[float, float]) -> float:
-    """Return how far before both ends of its range a joint's limits act by the law `maturing`, m, in [deg].
-
-    Args:
-        figures: The joint of 18 months.
-        group: What its strength matures with.
-        range_deg: Its range at some age.
-    """
+    """Return how far before both ends of its range a joint's limits act by the law `maturing`, m, in [deg]."""
     low, high = range_deg
     return min(
         max(0.0, rad_to_deg(_speed_rad_s(figures, group) * STEP_S) - OVERSHOOT_DEG), LARGEST_SHARE * (high - low)
@@ -67,6 +61,5 @@ def margin_origin(joint: str, figures: ReferenceJoint, group: str) -> Origin:
 
 
 def _speed_rad_s(figures: ReferenceJoint, group: str) -> float:
-    """Return the largest speed of a joint, w."""
     limb_rad_s = LIGHT_RAD_S if figures.armature_kgm2 <= LIGHT_KGM2 else FASTEST_RAD_S
     return EYES_RAD_S if group == "eyes" else limb_rad_s

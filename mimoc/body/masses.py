@@ -121,7 +121,6 @@ def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict
 
 
 def _legs_kg(reference: Reference, dimensions: BodyGeometry) -> dict[str, float]:
-    """Return the masses of a thigh, and of the geoms of a foot with its toes."""
     thighs = (geom for _, part in reference.anatomy.parts for geom in part.geoms if geom.name == THIGH)
     densities = {**reference.densities_kg_m3, THIGH: TISSUE_KG_M3}
     return {

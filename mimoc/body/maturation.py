@@ -25,7 +25,6 @@ FISTS = tuple(
 )
 """Joints that close five fingers to a fist."""
 FINGERS = frozenset({"robot:{side}_fingers", *FISTS})
-"""Joints that close either hand."""
 RelativeVolumes = Mapping[str, Mapping[str, float]]
 """Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
 

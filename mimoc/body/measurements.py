@@ -188,11 +188,7 @@ def _scaled(average: Measurements, wanted: Targets, girth: float | None, height:
 
 
 def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm: Bounds, child: str) -> float | None:
-    """Return the ratio of the requested measure to the average.
-
-    Raises:
-        IndividualError: If it is not within *bounds*; the message gives the possible lengths.
-    """
+    """Return the ratio of the requested measure to the average, or an IndividualError with possible lengths."""
     if wanted_m is None:
         return None
     least, largest = bounds
@@ -214,11 +210,7 @@ def _possible(factor: float, usual: float, is_possible: Callable[[float], bool])
 
 
 def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, child: str) -> float:
-    """Return the factor with which a child has the requested weight.
-
-    Raises:
-        IndividualError: If no factor within *bounds* gives it; the message gives the possible weights.
-    """
+    """Return the factor at which a child has the weight, or raise an IndividualError with possible weights."""
     low, high = bounds
     lightest_kg, heaviest_kg = weigh(low), weigh(high)
     if not lightest_kg <= wanted_kg <= heaviest_kg:

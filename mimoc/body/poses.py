@@ -42,12 +42,9 @@ class Rollers:
     """Of the whole body, shape (p, 3), [m]."""
 
     def rest(self, pitches_rad: FloatArray) -> list[tuple[float, float]]:
-        """Return the pitch at which the body comes to rest in each pose, and the height of its hip there, in [m].
+        """Return the pitch at which the body comes to rest from others, (p,), and the height of its hip there, in [m].
 
         It rolls downhill to the next minimum of the height of its centre of mass, as if it were rigid.
-
-        Args:
-            pitches_rad: Where it starts, shape (p,).
         """
         lowest, touching = self._downhill(pitches_rad), self
         lows, highs = lowest - _STEP_RAD, lowest + _STEP_RAD
@@ -187,11 +184,8 @@ def standing_height(tree: BodyTree) -> float:
 def poses_of(tree: BodyTree, upright: bool = True) -> dict[str, Pose]:
     """Return the poses of `POSES` as a body takes them, with the angles at which a body of its age comes to rest.
 
-    Arms of a child of other proportions are lifted off, as they would begin inside its thighs or its trunk.
-
-    Args:
-        tree: The body.
-        upright: Whether it sits upright at all ages; if not, young infants slump, but for those of the published law.
+    Arms of a child of other proportions are lifted off, as they would begin inside its thighs or its trunk. Unless
+    *upright*, or by the published law, young infants slump as they sit.
     """
     slumps = not upright and tree.development == "maturing" and tree.age_months < SLUMP_MONTHS[1]
     hands = tree.hands if tree.hands == "five_finger" else "mitten"  # Others' hands were not laid down.
@@ -273,11 +267,8 @@ def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
 def resting_states(tree: BodyTree, wanted: Sequence[Pose]) -> list[tuple[float, ...]]:
     """Return some poses at rest on the ground as qpos; see `resting_state`.
 
-    The body, as if it were rigid, rolls about y to the nearest minimum of the height of its centre of mass.
-
-    Args:
-        tree: The body.
-        wanted: The poses; the minimum is the one that is reached downhill from the pitch of each.
+    The body, as if it were rigid, rolls about y to the minimum of the height of its centre of mass that is downhill
+    from the pitch of each pose.
     """
     poses_rad = [pose_angles(tree, start) for start in wanted]
     rests = rollers(tree, poses_rad).rest(np.array([deg_to_rad(start.pitch_deg) for start in wanted]))

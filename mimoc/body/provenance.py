@@ -15,13 +15,7 @@ from mimoc.schema.names import SIDES
 
 
 def trace_body(grown: GrownBody, tree: BodyTree, scaled: Mapping[str, tuple[str, ...]]) -> dict[str, Entry]:
-    """Return an entry for each number of a body, by key: `geom.head.size`, `measurements.foot_length_cm`.
-
-    Args:
-        grown: What the body was grown from.
-        tree: The body.
-        scaled: Keys of the spec that scale a part, by name of the body.
-    """
+    """Return an entry for each number of a body, by key; *scaled* are keys that scale a part, by body."""
     anatomy, child = grown.reference.anatomy, grown.measurements
     figures = {geom.name.format(side=side): geom for side, part in anatomy.parts for geom in part.geoms}
     parts = {part.name.format(side=side): (side, part) for side, part in anatomy.parts}

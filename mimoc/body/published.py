@@ -11,7 +11,7 @@ from operator import or_
 from types import MappingProxyType
 
 from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import PartKind
 from mimoc.anatomy.parts.five_finger import FINGERS, finger_dimensions
 from mimoc.anatomy.published_figures import SIZES_M
 from mimoc.anatomy.sections import CLEARANCE_M
@@ -45,16 +45,7 @@ def standing_height(child: Measurements) -> float:
 
 
 def published_dimensions(child: Measurements, side: str, kinds: Iterable[PartKind]) -> BodyGeometry:
-    """Return the dimensions of MIMo's parts of one side of a child, or of its middle.
-
-    Args:
-        child: The child.
-        side: `left`, `right`, or empty for the middle.
-        kinds: What the body is assembled from.
-
-    Raises:
-        GeometryError: If the measurements leave no room for a part.
-    """
+    """Return the dimensions of MIMo's parts of a child's side, or middle (""), or raise a GeometryError."""
     m = child.of_side(side)
     dimensions = reduce(or_, (FORMULAS[kind.name](m) for kind in kinds if kind.name in FORMULAS))
     for name, shape in dimensions.shapes.items():
@@ -119,15 +110,7 @@ def _eyes(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _limb(m: Mapping[str, float], geom: str, girth: str, whole: str, less: str = "") -> tuple[float, float]:
-    """Return radius and half length of a limb, which is as long as a measurement is without the radius at both ends.
-
-    Args:
-        m: Measurements in [m].
-        geom: Its name.
-        girth: The measurement that its radius follows.
-        whole: The measurement that its length follows.
-        less: Another one, which is taken off from that.
-    """
+    """Return radius and half length of a limb as long as *whole* less the measurement *less* and both radii."""
     radius_m, half_m = SIZES_M[geom]
 
     def straight_m(of: Mapping[str, float]) -> float:

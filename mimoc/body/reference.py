@@ -18,8 +18,7 @@ from operator import or_
 
 from mimoc.anatomy.anatomy import Anatomy
 from mimoc.anatomy.dimensions import BodyGeometry
-from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development, PartKind
 from mimoc.anatomy.parts.checking import check_dimensions
 from mimoc.anatomy.segments import Proportions, proportions
 from mimoc.base.geometry.primitives import volume
@@ -56,7 +55,6 @@ class Reference:
     densities_kg_m3: Mapping[str, float]
     """Likewise; 0 for geoms without mass."""
     length_m: float
-    """Standing height at 18 months."""
     age_months: float
     head_gain: float = 1.0
     """Mass of head and neck of the average child of that age by the law `maturing`, relative to the published law."""
@@ -68,15 +66,18 @@ class Reference:
         same = replace(self, age_months=age_months)
         if self.anatomy.development == "published":
             return same
-        return replace(same, head_gain=_head_gain(same), foot_height=_foot_height(same))
+        # Head and neck are heavier by this than in the published body of the same age.
+        average, anatomy = measure(same.age_months).paper_law, same.anatomy
+        volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.kinds), anatomy)
+        published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in same.densities_kg_m3.items()}
+        body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
+        return replace(
+            same, head_gain=head_share(same.age_months) * body_kg / published_kg["head"], foot_height=_foot_height(same)
+        )
 
 
 def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
-    """Return what children of an anatomy and an age are compared with.
-
-    Raises:
-        KindError: If the shape of somebody else's parts says too little.
-    """
+    """Return what children of an anatomy and an age are compared with; KindError if a shape says too little."""
     is_published = anatomy.development == "published"
     average = measure(REFERENCE_AGE_MONTHS, CURVES[anatomy.development]).paper_law
     kinds = [kind for kind in anatomy.kinds if not (is_published and kind.name in FORMULAS)]
@@ -92,11 +93,7 @@ def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
 
 
 def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> BodyGeometry:
-    """Return the dimensions of some kinds of parts.
-
-    Raises:
-        GeometryError: If a segment is wider than it is long.
-    """
+    """Return the dimensions of some kinds of parts; raise a GeometryError if a segment is wider than it is long."""
     return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds), BodyGeometry())
 
 
@@ -117,15 +114,6 @@ def mimos_volumes(dimensions: BodyGeometry, anatomy: Anatomy) -> dict[str, float
 def head_share(age_months: float) -> float:
     """Return the share of head and neck in the mass of the average child: .20 + .10 exp(-age / 18 months)."""
     return ADULT_SHARE + NEWBORN_EXCESS * math.exp(-age_months / DECAY_MONTHS)
-
-
-def _head_gain(reference: Reference) -> float:
-    """Return by how much head and neck are heavier than in the published body of the same age."""
-    average, anatomy = measure(reference.age_months).paper_law, reference.anatomy
-    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.kinds), anatomy)
-    published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in reference.densities_kg_m3.items()}
-    body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
-    return head_share(reference.age_months) * body_kg / published_kg["head"]
 
 
 def _foot_height(reference: Reference) -> float:

@@ -32,7 +32,6 @@ LIMBS = (
 
 
 def _check_limbs(dimensions: BodyGeometry) -> None:
-    """Raise a GeometryError if a limb is wider than it is long."""
     for geom, end in LIMBS:
         length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
         if thickness_m >= length_m:
@@ -149,11 +148,7 @@ class Shapes:
 
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
-    """Return the shapes of a child's parts, of which *scales* change single ones in length and girth.
-
-    Raises:
-        GeometryError: If no body has these measurements.
-    """
+    """Return the shapes of a child's parts, single ones by *scales* of length and girth, or raise a GeometryError."""
     anatomy, alike = reference.anatomy, child.symmetric and not scales
 
     def mimos_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
@@ -193,7 +188,6 @@ def _of_sides(function: Callable[[str], T], *, alike: bool) -> dict[str, T]:
 
 
 def _scaled(dimensions: BodyGeometry, parts: Sided, scales: Scales, side: str) -> BodyGeometry:
-    """Return dimensions of one side in which the parts that a spec scales are scaled."""
     if not scales:
         return dimensions
     of_side = [part for part_side, part in parts if part_side in (side, "")]

@@ -24,17 +24,7 @@ from dataclasses import dataclass, replace
 from mimoc.anatomy.part import ReferenceMotor
 from mimoc.anatomy.published_figures import as_published
 from mimoc.body import origins
-from mimoc.body.maturation import (
-    EYES,
-    FINGERS,
-    HAND,
-    NECK,
-    Decay,
-    RelativeVolumes,
-    heavier,
-    matured,
-    size_gain,
-)
+from mimoc.body.maturation import EYES, FINGERS, HAND, NECK, Decay, RelativeVolumes, heavier, matured, size_gain
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.reference import Reference
 from mimoc.body.tone import tone_of
@@ -55,7 +45,6 @@ class StrengthCurve:
     """The relative strength of a group of muscles by age: r = 1 - (1 - newborn) decay(age)."""
 
     newborn: float
-    """At birth."""
     decay: Decay
     source: str
 

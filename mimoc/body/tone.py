@@ -39,7 +39,6 @@ _JOINTS = {"knuckle": (1.0, 65.0), "middle": (0.6, 65.0), "distal": (0.25, 50.0)
 
 
 def _fist(joint: str) -> NewbornTone:
-    """Return the tone of a joint that closes a finger."""
     _, finger, place = joint.rsplit("_", 2)
     share, angle_deg = _JOINTS[place]
     return NewbornTone(share * _FINGERS[finger], angle_deg)
@@ -63,13 +62,7 @@ SOURCE = "posture of newborns: Amiel-Tison, Ballard, M; fitted to it, D"
 
 
 def tone_of(joint: str, size: float, age_months: float) -> Tone | None:
-    """Return the tone of a joint, named with `{side}`; None if it has none at this age.
-
-    Args:
-        joint: Its name.
-        size: The growth s of passive joints, relative to 18 months.
-        age_months: The age.
-    """
+    """Return the tone of a joint, named with `{side}`, of passive growth *size*; None if it has none yet."""
     newborn, share = NEWBORN_TONE.get(joint), TONE(age_months)
     if newborn is None or not share:
         return None

@@ -26,17 +26,14 @@ class Geom:
     """Intrinsic x-y-z angles in the frame of its body."""
     mass_kg: float
     friction: Vec3
-    """Sliding, torsional and rolling friction."""
     contype: int
     conaffinity: int
     condim: int
     """Contact dimension, 1, 3, 4 or 6: the relative motions that friction resists."""
     material: str = "skin"
-    """Name of its material."""
     grips: bool = False
     """Whether its contacts are those of a hand that holds on."""
     slippery: bool = False
-    """Whether nothing rubs on it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,11 +107,9 @@ class StretchReflex:
     """Torque by speed beyond the threshold."""
     threshold_rad_s: float
     most_nm: float
-    """Largest torque."""
     key: str
     """Key of the spec that asks for it."""
     motor: str
-    """The motor of its muscle."""
 
     @property
     def name(self) -> str:
@@ -187,7 +182,6 @@ class BodyTree:
     growth: MaturationFactors | None = None
     """What the law `maturing` made of the body; None by the published law."""
     reflexes: tuple[StretchReflex, ...] = ()
-    """Stretch reflexes of spastic muscles."""
     acuity: tuple[tuple[str, float], ...] = ()
     """Share of the visual acuity that is left, by body of an eye; all of it where nothing is said."""
     field_deg: tuple[tuple[Direction, float], ...] = ()

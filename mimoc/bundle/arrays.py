@@ -30,7 +30,6 @@ class LazyArrays(Mapping[str, Array]):
     """Arrays by name, of which some are made when one of them is first asked for; all are read-only."""
 
     def __init__(self, ready: Mapping[str, Array], names: Sequence[str], make: Callable[[], Mapping[str, Array]]):
-        """Promise arrays of some names besides those that there are."""
         self._ready, self._names, self._make = ready, tuple(names), make
 
     @cached_property
@@ -54,16 +53,16 @@ def pack_arrays(arrays: Mapping[str, Array]) -> bytes:
         for name in sorted(arrays):
             info = zipfile.ZipInfo(name + SUFFIX, FIRST_DATE)
             info.create_system, info.external_attr = UNIX, READABLE
-            archive.writestr(info, _packed(arrays[name]))
+            array = arrays[name]
+            file = io.BytesIO()
+            little_endian = np.asarray(array, array.dtype.newbyteorder("<"), order="C")
+            np.lib.format.write_array(file, little_endian, version=(1, 0), allow_pickle=False)
+            archive.writestr(info, file.getvalue())
     return packed.getvalue()
 
 
 def unpack_arrays(content: bytes) -> dict[str, Array]:
-    """Return the arrays of an archive, read-only views into it; nothing larger than the archive is allocated.
-
-    Raises:
-        BundleError: If it is not an archive that `pack_arrays` writes.
-    """
+    """Return the arrays that `pack_arrays` wrote, read-only views of the archive, or raise a BundleError."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
@@ -73,13 +72,6 @@ def unpack_arrays(content: bytes) -> dict[str, Array]:
             return {member.filename.removesuffix(SUFFIX): _unpacked(archive.read(member)) for member in members}
     except Exception:  # Whatever a stranger's archive makes the readers of ZIP and NPY raise.
         raise BundleError(f"{ARRAYS} is damaged; build the bundle again") from None
-
-
-def _packed(array: Array) -> bytes:
-    file = io.BytesIO()
-    little_endian = np.asarray(array, array.dtype.newbyteorder("<"), order="C")
-    np.lib.format.write_array(file, little_endian, version=(1, 0), allow_pickle=False)
-    return file.getvalue()
 
 
 def _unpacked(content: bytes) -> Array:

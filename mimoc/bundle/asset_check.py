@@ -33,11 +33,7 @@ _NAME_BYTES = 40
 
 
 def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> None:
-    """Check the files of a bundle that its MJCF refers to, by the element that does, by path.
-
-    Raises:
-        BundleError: If one is missing, damaged, or too large.
-    """
+    """Raise a BundleError if a file that the MJCF refers to, by element and path, is missing, damaged or too large."""
     sizes = dict.fromkeys(_CHECKS, 0)
     for path, element in references.items():
         if path not in files:
@@ -51,14 +47,9 @@ def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> N
 
 
 def pixels_of(content: bytes, *, is_ours: bool = True) -> int:
-    """Return the number of pixels of a PNG.
+    """Return the number of pixels of a PNG; UnusableFileError if it is none, too large, or unpacks to more.
 
-    Args:
-        content: The file.
-        is_ours: Whether it may only contain what mimoc writes; other programs also write 16 bits, texts and profiles.
-
-    Raises:
-        UnusableFileError: If it is no PNG, too large, or unpacks to more than it says.
+    If it *is_ours* it may only contain what mimoc writes; other programs also write 16 bits, texts and profiles.
     """
     data = b"".join(_chunks(content, is_ours))
     width, height, depth, colour = struct.unpack_from(">IIBB", content, 16)
@@ -106,7 +97,6 @@ def _mesh_bytes(content: bytes) -> int:
 
 
 def _vertices(content: bytes) -> int:
-    """Return the number of vertices of a skin in MuJoCo's format (XML reference, `deformable/skin/file`)."""
     if len(content) < 16:
         raise UnusableFileError("it is not a skin")
     verts, texcoords, faces, bones = np.frombuffer(content, "<i4", 4).tolist()
@@ -125,7 +115,6 @@ def _vertices(content: bytes) -> int:
 
 
 def _indices(content: bytes, place: int, count: int, verts: int) -> int:
-    """Return the bytes of some indices of vertices, all of which must be there."""
     vertices = _integers(content, place, count)
     if len(vertices) and (vertices.min() < 0 or vertices.max() >= verts):
         raise UnusableFileError("it refers to vertices that it does not have")

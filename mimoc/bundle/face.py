@@ -24,7 +24,6 @@ class Face:
     """The face of an infant, which can be shown in its model and in copies of it."""
 
     def __init__(self, entry: FaceEntry, arrays: Callable[[], Mapping[str, Array]]):
-        """Describe the face of a manifest; the large arrays of its bundle are asked for when they are needed."""
         self.entry, self._arrays = entry, arrays
 
     @cached_property

@@ -10,10 +10,13 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from glob import escape
+from hashlib import sha256
 from pathlib import Path
 
 from mimoc.base.errors import OutputError
+from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 
 PAGES = (".html", ".htm")
 """What the name of a page ends in."""
@@ -21,11 +24,7 @@ _PREFIX, _SUFFIX = ".mimoc-", ".tmp"
 
 
 def check_page(file: str | Path) -> Path:
-    """Check, before anything takes time, that a page can be written to a file; return its path.
-
-    Raises:
-        OutputError: If its name does not end as that of a page, or its folder does not exist.
-    """
+    """Return the path of a page that can be written to a file, or raise an OutputError before anything takes time."""
     path = Path(file).expanduser()
     if path.suffix.lower() not in PAGES:
         raise OutputError(f"{path}: not the name of a page; end it in {' or '.join(PAGES)}")
@@ -175,15 +174,7 @@ _UNSUPPORTED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP}
 
 @contextmanager
 def staged_folder(target: Path, *, force: bool = False) -> Iterator[Path]:
-    """Yield an empty folder, which is put in place of a new or empty one if nothing goes wrong.
-
-    Args:
-        target: That place.
-        force: Put it in place of a folder that is not empty, too.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Yield an empty folder that replaces a new or empty one, or any by *force*, or raise an OutputError."""
     place = Path(os.path.realpath(target))
     prefix = f".{place.name}{_PREFIX}"
     staging = place.parent / unfinished_name(prefix)
@@ -228,7 +219,14 @@ def swap_folders(first: Path, second: Path) -> None:
     except OSError as error:
         if error.errno not in _UNSUPPORTED:
             raise
-        _swap_in_turn(first, second)
+        aside = Path(tempfile.mkdtemp(prefix=f"{first.name}-", dir=first.parent))
+        os.rename(second, aside)
+        try:
+            os.rename(first, second)
+        except BaseException:
+            os.rename(aside, second)
+            raise
+        os.rename(aside, first)
 
 
 def _swap_at_once(first: bytes, second: bytes) -> None:
@@ -244,12 +242,36 @@ def _swap_at_once(first: bytes, second: bytes) -> None:
         raise OSError(number, os.strerror(number))
 
 
-def _swap_in_turn(first: Path, second: Path) -> None:
-    aside = Path(tempfile.mkdtemp(prefix=f"{first.name}-", dir=first.parent))
-    os.rename(second, aside)
-    try:
-        os.rename(first, second)
-    except BaseException:
-        os.rename(aside, second)
-        raise
-    os.rename(aside, first)
+@dataclass(frozen=True, slots=True)
+class SharedFiles:
+    """A folder of files by digest, on the file system of the bundles that share them."""
+
+    folder: Path
+
+    def put(self, path: Path, content: bytes) -> None:
+        """Write a file as a link to the shared one, or a copy without links; OutputError if its folder is a link."""
+        digest = sha256(content).hexdigest()
+        shared = self.folder / digest[:2] / digest
+        if not self._link(shared, path, content):
+            path.write_bytes(content)
+            self._share(path, shared)
+
+    def _link(self, shared: Path, path: Path, content: bytes) -> bool:
+        """Make a file a link to the shared one, if that has its content; return whether it is one now."""
+        try:
+            if read_regular_file(shared, below=self.folder) != content:
+                return False
+            os.link(shared, path, follow_symlinks=False)
+        except (OSError, UnusableFileError):  # It has as many links as the file system allows, or there are none.
+            return False
+        return True
+
+    def _share(self, path: Path, shared: Path) -> None:
+        """Let later bundles link to a file, if the file system can."""
+        make_folder(shared.parent, below=self.folder)
+        temporary = temporary_path(shared)
+        try:
+            os.link(path, temporary)
+            os.replace(temporary, shared)
+        except OSError:
+            discard(temporary)

@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeVar
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
+from mimoc.bundle.files import SharedFiles, remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
@@ -26,7 +26,6 @@ from mimoc.bundle.regular_files import (
     read_regular_file,
     regular_files,
 )
-from mimoc.bundle.shared_files import SharedFiles
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,7 +35,6 @@ class LazyFiles(Mapping[str, bytes]):
     arrays: Mapping[str, Array]
     """What the file of the large arrays holds, read-only, rounded as it is in the file."""
     make: Callable[[], Mapping[str, bytes]]
-    """Returns all files."""
 
     def __getitem__(self, path: str) -> bytes:
         return self._all[path]
@@ -106,7 +104,6 @@ class Bundle:
         return versions_in(self.files)
 
     def __repr__(self) -> str:
-        """Return name, age, size and folder in one line."""
         size_kb = sum(map(len, self.files.values())) / 1000
         at = f", read from {str(self.path)!r}" if self.path else ""
         who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
@@ -162,11 +159,7 @@ def read_bundle(path: str | Path) -> Bundle:
 
 
 def read_locked(path: str | Path, parse: Callable[[Mapping[str, bytes], Path], Read]) -> Read:
-    """Return what *parse* makes of the files in a folder that its lock lists, none of which is missing or changed.
-
-    Raises:
-        BundleError: If the folder is not a bundle, or files are missing or changed, or as *parse* does.
-    """
+    """Return what *parse* makes of the files that a folder's lock lists; BundleError if one is missing or changed."""
     folder = Path(os.path.expanduser(path))
     try:
         os.stat(folder)
@@ -217,7 +210,15 @@ def write_bundle(bundle: HasFiles, out: str | Path, *, force: bool = False, shar
         staging = place.parent / unfinished_name(_staging_prefix(place))
         staging.mkdir()
         try:
-            _fill(staging, bundle.files, shared)
+            if outside := [name for name in bundle.files if not _is_inside(name)]:
+                raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
+            for name, content in bundle.files.items():
+                path = staging / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                if shared and name.startswith(SHARED):
+                    shared.put(path, content)
+                else:
+                    path.write_bytes(content)
             _move_into_place(staging, place, target, force)
         finally:
             shutil.rmtree(staging, ignore_errors=True)
@@ -317,7 +318,6 @@ def _locked_files(content: bytes) -> dict[str, str] | None:
 
 
 def _is_inside(name: str) -> bool:
-    """Return whether a relative path stays within its folder."""
     path = PurePosixPath(name)
     if not name.isprintable() or "\\" in name or len(path.parts) > MOST_NESTED:
         return False
@@ -348,19 +348,6 @@ def _is_bundle(folder: Path) -> bool:
         return False
 
 
-def _fill(folder: Path, files: Mapping[str, bytes], shared: SharedFiles | None) -> None:
-    """Write files into an empty folder."""
-    if outside := [name for name in files if not _is_inside(name)]:
-        raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
-    for name, content in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if shared and name.startswith(SHARED):
-            shared.put(path, content)
-        else:
-            path.write_bytes(content)
-
-
 def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> None:
     """Rename the finished folder to its final path; anything it replaces is left in *staging*."""
     try:
@@ -373,5 +360,4 @@ def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> N
 
 
 def _staging_prefix(place: Path) -> str:
-    """Return how the names of unfinished folders for a bundle begin."""
     return f".{place.name}.mimoc-"

@@ -311,11 +311,7 @@ def to_data(manifest: Manifest) -> dict[str, Any]:
 
 
 def read_manifest(content: bytes) -> Manifest:
-    """Return the manifest that a file contains.
-
-    Raises:
-        BundleError: If a plug-in is missing that it needs, or if it is not what mimoc writes.
-    """
+    """Return the manifest in a file; BundleError if a plug-in is missing, or mimoc does not write such a one."""
     if len(content) > MOST_MANIFEST_BYTES:
         raise BundleError(f"{MANIFEST}: it has more than {MOST_MANIFEST_BYTES >> 20} MB, which no infant needs")
     try:

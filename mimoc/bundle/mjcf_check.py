@@ -167,13 +167,9 @@ _SHOWN = 60
 
 
 def read_mjcf(file: str, content: bytes, infants: int = 1) -> tuple[Counter[str], dict[str, str]]:
-    """Check that a file of MJCF is one that mimoc could have written, with so many infants.
+    """Return the numbers of each element of MJCF, and the elements that refer to other files, by the paths of these.
 
-    Returns:
-        How many there are of each element, and the element that refers to each other file, by the path of that.
-
-    Raises:
-        BundleError: If mimoc writes no such thing; the message says where it is.
+    Raises a BundleError, which says where, if mimoc could not have written it with so many infants.
     """
     if len(content) > (most := MOST_BYTES * infants):
         raise BundleError(f"{file}: it has more than {most >> 20} MB, which no infant needs")

@@ -41,9 +41,8 @@ BREAKDOWNS = tuple(map(int, (_WARNINGS.mjWARN_BADQPOS, _WARNINGS.mjWARN_BADQVEL,
 def load_model(bundle: Bundle) -> mujoco.MjModel:
     """Return the compiled scene of a bundle.
 
-    Raises:
-        BundleError: If it is one that mimoc does not write; MuJoCo reads nothing of it then.
-        ModelError: If MuJoCo rejects it.
+    Raises a BundleError for what mimoc does not write, of which MuJoCo reads nothing, and a ModelError if MuJoCo
+    rejects it.
     """
     check_files(bundle)
     model = read_model(bundle.files, bundle.manifest.scene)
@@ -53,12 +52,7 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
 
 
 def load_plain_model(bundle: Bundle) -> mujoco.MjModel:
-    """Return the same model with one pixel of the mean colour in place of each texture: most of its memory is these.
-
-    Raises:
-        BundleError: As `load_model` does.
-        ModelError: Likewise.
-    """
+    """Return what `load_model` does, with one pixel of the mean colour for each texture: most of its memory."""
     model = load_model(bundle)
     if not model.ntex:
         return model
@@ -67,21 +61,16 @@ def load_plain_model(bundle: Bundle) -> mujoco.MjModel:
     spec = mujoco.MjSpec.from_string(xml, include=included, assets=files)
     for index, texture in enumerate(spec.textures):
         is_flat = texture.type == mujoco.mjtTexture.mjTEXTURE_2D
-        texture.rgb1 = _mean_colour(model, index)
+        start, channels = int(model.tex_adr[index]), int(model.tex_nchannel[index])
+        size = int(model.tex_height[index]) * int(model.tex_width[index]) * channels
+        mean = model.tex_data[start : start + size].reshape(-1, channels).mean(axis=0) / 255.0
+        texture.rgb1 = np.resize(mean, 3).tolist() if channels < 3 else mean[:3].tolist()
         texture.file, texture.cubefiles, texture.gridsize = "", [""] * 6, [1, 1]
         texture.builtin, texture.mark = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtMark.mjMARK_NONE
         texture.width, texture.height = 1, 1 if is_flat else 6
     plain = spec.compile()
     prepare(plain)
     return plain
-
-
-def _mean_colour(model: mujoco.MjModel, index: int) -> list[float]:
-    """Return the mean colour of a texture, three numbers from 0 to 1."""
-    start, channels = int(model.tex_adr[index]), int(model.tex_nchannel[index])
-    size = int(model.tex_height[index]) * int(model.tex_width[index]) * channels
-    mean = model.tex_data[start : start + size].reshape(-1, channels).mean(axis=0) / 255.0
-    return np.resize(mean, 3).tolist() if channels < 3 else mean[:3].tolist()
 
 
 def read_model(files: Mapping[str, bytes], scene: str) -> mujoco.MjModel:
@@ -130,11 +119,7 @@ def out_of_memory(error: Exception) -> ModelError:
 
 
 def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Derive all quantities of a state that an episode begins in.
-
-    Raises:
-        ModelError: If there are more contacts than in any scene, so that solving for their forces would take very long.
-    """
+    """Derive all of a state in which an episode begins; ModelError if there are more contacts than in any scene."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_collision(model, data)
@@ -149,11 +134,9 @@ def check_contacts(data: mujoco.MjData) -> None:
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state in a pose or its own, with all that is derived from it.
+    """Return the compiled scene of a bundle and its state in a pose or its own, all derived from it.
 
-    Raises:
-        ModelError: If MuJoCo rejects the model.
-        UnknownNameError: If the bundle has no such pose.
+    Raises a ModelError if MuJoCo rejects the model, an UnknownNameError if the bundle has no such pose.
     """
     pose = pose_of(bundle.manifest, pose)
     model = load_model(bundle)
@@ -195,11 +178,7 @@ INFANT, SCENE = "infant.xml", "scene.xml"
 
 
 def check_files(bundle: Bundle) -> None:
-    """Check the files that MuJoCo reads of a bundle, see `check_mjcf`, unless it was built here.
-
-    Raises:
-        BundleError: If mimoc does not write such files, or not of this size.
-    """
+    """Raise a BundleError unless mimoc writes such files, or wrote them here; see `check_mjcf`."""
     if bundle.path is not None:
         check_mjcf(bundle.path, bundle.files, (INFANT, SCENE))
 
@@ -227,25 +206,25 @@ def check_mjcf(path: Path, files: Mapping[str, bytes], names: Sequence[str], inf
 
 
 def check_model(bundle: Bundle, model: mujoco.MjModel) -> None:
-    """Check that a model fits the manifest of its bundle, see `check_fits`, unless built here.
-
-    Raises:
-        BundleError: If it does not.
-    """
+    """Raise a BundleError unless a model fits the manifest of its bundle, see `check_fits`, or was built here."""
     if bundle.path is not None:
         check_fits(bundle.path, bundle.manifest, bundle.manifest.timestep_ms, model)
 
 
 def check_fits(path: Path, manifest: Model, timestep_ms: float, model: mujoco.MjModel) -> None:
-    """Check that a model has a time step and all things that a manifest names.
-
-    Raises:
-        BundleError: If it has not; the message says which names, and where they stand.
-    """
+    """Raise a BundleError unless a model has a time step and all that a manifest names: which, and where."""
     if not abs(model.opt.timestep - ms_to_s(timestep_ms)) < 1e-9:
         reason = f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms"
         raise BundleError(f"{path}: {reason}; build it again")
-    fitting, missing = _fitting(model), []
+    # For kinds of names that not every object of a type will do for, those that do.
+    masks: dict[str, npt.NDArray[np.bool_]] = {
+        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
+        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
+        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
+        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
+        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
+    }
+    fitting, missing = {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}, []
     for where, kind, name in _names(manifest, None, ""):
         index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
         if index < 0 or index not in fitting.get(kind, (index,)):
@@ -308,18 +287,6 @@ def _has_sections(annotation: Any) -> bool:
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return True
     return any(map(_has_sections, get_args(annotation)))
-
-
-def _fitting(model: mujoco.MjModel) -> dict[str, set[int]]:
-    """Return, for kinds of names that not every object of a type will do for, those that do."""
-    masks: dict[str, npt.NDArray[np.bool_]] = {
-        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
-        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
-        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
-        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
-        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
-    }
-    return {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
 
 
 _OBJECTS: Mapping[str, mujoco.mjtObj] = {

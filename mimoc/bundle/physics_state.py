@@ -23,11 +23,7 @@ def time_of(physics: FloatArray) -> float:
 
 
 def check_physics(physics: FloatArray, model: mujoco.MjModel) -> None:
-    """Check that a state has the size of those of a model.
-
-    Raises:
-        ValueError: If it has not.
-    """
+    """Check that a state has the size of those of a model; raise a ValueError if it has not."""
     if np.shape(physics) != (mujoco.mj_stateSize(model, STATE),):
         raise ValueError("state does not fit this infant: the size of its model's state is different")
 

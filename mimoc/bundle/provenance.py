@@ -107,11 +107,7 @@ def _name(key: str) -> str:
 
 @lru_cache(maxsize=2)
 def read_entries(content: bytes) -> Entries:
-    """Return the provenance that a file contains, the same object again for the last files that were asked for.
-
-    Raises:
-        BundleError: If it is damaged: an entry is missing or incomplete, or one is made from itself.
-    """
+    """Return the provenance in a file, the same object for the last files, or raise a BundleError if it is damaged."""
     try:
         entries = unpacked(json.loads(content))
         if not isinstance(entries, dict) or not all(map(_is_entry, entries.values())):
@@ -128,7 +124,6 @@ def read_entries(content: bytes) -> Entries:
 
 
 def _is_entry(entry: Any) -> bool:
-    """Return whether data says what is said of every number."""
     if not isinstance(entry, dict) or "value" not in entry or not isinstance(entry.get("rule"), str):
         return False
     texts, points, fit = [entry.get("unit", ""), entry.get("xml", "")], entry.get("points", []), entry.get("fit", {})

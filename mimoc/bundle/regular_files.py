@@ -18,7 +18,6 @@ MOST_BYTES_IN_ALL = 2**27
 """Of all files of a bundle, of which infants with the densest skin have a tenth."""
 MOST_FILES = 4096
 MOST_NESTED = 8
-"""Folders within each other."""
 
 _TOP = PurePosixPath(".")
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -43,11 +42,7 @@ class RegularFiles:
         self._left = most_bytes_in_all
 
     def read(self, name: str, most_bytes: int = MOST_BYTES) -> bytes | None:
-        """Return the content of a file, None if it does not exist or cannot be read.
-
-        Raises:
-            UnusableFileError: If it is not a regular file of the folder, or too large.
-        """
+        """Return the content of a file, None if there is none; UnusableFileError if not regular, or too large."""
         file = self.open(name, min(most_bytes, self._left))
         if file is None:
             return None
@@ -69,11 +64,7 @@ class RegularFiles:
             return None
 
     def read_all(self, names: Sequence[str], most_bytes: int) -> list[bytes]:
-        """Return the contents of many files that lie in the folder itself: three times as fast as one by one.
-
-        Raises:
-            UnusableFileError: If one is not a regular file, too large, or cannot be read; it is named.
-        """
+        """Return many files of the folder itself, three times as fast, or an UnusableFileError that names one."""
         return [self._content_at_once(name, most_bytes) for name in names]
 
     def _content_at_once(self, name: str, most_bytes: int) -> bytes:
@@ -125,13 +116,8 @@ def regular_files(folder: Path, most_bytes_in_all: int = MOST_BYTES_IN_ALL) -> I
 def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path | None = None) -> bytes | None:
     """Return the content of a file, None if it does not exist or cannot be read.
 
-    Args:
-        path: The file.
-        most_bytes: The largest size that is read.
-        below: A folder above it; no folder between the two may be a link. By default, the one that it is in.
-
-    Raises:
-        UnusableFileError: If it is not a regular file, or too large.
+    No folder between it and one above, *below*, by default its own, may be a link. Raises an UnusableFileError if it is
+    not a regular file, or larger than *most_bytes*.
     """
     try:
         if below is None:  # By its path at once: another process may replace its folder meanwhile.
@@ -181,7 +167,6 @@ def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> Binar
 MOST_JSON_BYTES = 2**22
 """Of a file, unless its reader knows better; 4 MB."""
 _SHOWN = 3
-"""Most problems that an error lists."""
 
 Data = TypeVar("Data", bound=Model)
 

@@ -25,7 +25,6 @@ class Variant:
     """Writes the skin of this age into the model, if that has still that of another one."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle it with its skin."""
         return type(self), (self.bundle, self.model)
 
     @property

@@ -83,7 +83,6 @@ class WorldBundle:
     """Folder it was read from; None if it exists only in memory."""
 
     def __repr__(self) -> str:
-        """Return its name and those of its infants."""
         return f"WorldBundle({self.manifest.name!r}, {', '.join(self.infants)})"
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -136,12 +135,7 @@ def read_world_bundle(path: str | Path) -> WorldBundle:
 
 
 def load_world_model(bundle: WorldBundle) -> mujoco.MjModel:
-    """Return the compiled model of a world.
-
-    Raises:
-        BundleError: If it is one that mimoc does not write; MuJoCo reads nothing of it then.
-        ModelError: If MuJoCo rejects it.
-    """
+    """Return the compiled model of a world, or raise a BundleError or ModelError as `load_model` does."""
     if bundle.path is not None:
         check_mjcf(bundle.path, bundle.files, (SCENE,), infants=len(bundle.infants))
     model = read_model(bundle.files, bundle.manifest.scene)

@@ -14,7 +14,7 @@ from mimoc.base.errors import MimocError, OutputError, SpecError, check_name
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
-    from mimoc.interop.settings import Imported
+    from mimoc.compat.settings import Imported
     from mimoc.schema.starter import Choices
 
 STDOUT = Path("-")
@@ -173,7 +173,7 @@ def import_config(
     Of a scene with MIMo in it, the rest is written beside the spec: FILE_scene.xml, with a folder for its assets.
     """
     from mimoc.bundle import files
-    from mimoc.interop import importing as importers
+    from mimoc.compat import importing as importers
 
     imported = importers.import_config(system, config)
     if file == STDOUT:

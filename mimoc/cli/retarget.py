@@ -136,7 +136,7 @@ def camera_of(text: str | None) -> "Camera | None":
 
 def is_unfinished(result: "Retargeted") -> bool:
     """Return whether Ctrl-C ended a fit."""
-    from mimoc.movement.retargeting.running import INTERRUPTED as NOTE
+    from mimoc.movement.retargeting.fitting import INTERRUPTED as NOTE
 
     return NOTE in result.account.notes
 

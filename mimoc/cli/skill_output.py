@@ -8,8 +8,7 @@ from mimoc.cli.console import new_table, open_console
 from mimoc.cli.terminal import printable
 from mimoc.render.plots.file import write_sheet
 from mimoc.studies.skills.learning import SkillReport
-from mimoc.studies.skills.plot import skill_sheet
-from mimoc.studies.skills.shipped import SkillsReport
+from mimoc.studies.skills.shipped import SkillsReport, skill_sheet
 
 
 def show_skill(report: SkillReport, folder: Path) -> None:

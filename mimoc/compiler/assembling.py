@@ -65,7 +65,28 @@ def assemble_infant(
     spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
 ) -> SceneTree:
     """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
-    parts = _parts(tree, actuation, senses, has_skin)
+    # Under a skin, only what it does not cover is drawn.
+    hip_m = (0.0, 0.0, standing_height(tree))
+    cameras, sites_by_source = dict(sensor_sites.cameras(tree)), [sensor_sites.sites(tree)]
+    sites_by_source += [*(placed.sites for placed in senses.values()), sensor_sites.keypoint_sites(tree)]
+    for placed in senses.values():
+        cameras |= placed.cameras
+    uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
+    parts: dict[str, Node] = {}
+    for body in reversed(tree.bodies):
+        is_root = body.parent is None
+        group = SOLIDS_GROUP if has_skin and body.name not in uncovered else BODY_GROUP
+        parts[body.name] = Node(
+            name=body.name,
+            pos_m=hip_m if is_root else body.pos_m,
+            euler_rad=_radians(body.euler_deg),
+            free_joints=(FREE_JOINT,) if is_root else (),
+            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
+            geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
+            sites=tuple(site for sites in sites_by_source for site in sites.get(body.name, ())),
+            cameras=cameras.get(body.name, ()),
+            children=tuple(parts[child.name] for child in tree.bodies if child.parent == body.name),
+        )
     skin = skin_of(tree).showing(spec.body.expression, HEAD) if has_skin else None
     round_head = tree.geoms["head"].type == "sphere"
     expression = spec.body.expression
@@ -96,32 +117,6 @@ def assemble_infant(
         keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree, spec.scene.held)),
         skin=skin,
     )
-
-
-def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
-    """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
-    hip_m = (0.0, 0.0, standing_height(tree))
-    cameras, sites_by_source = dict(sensor_sites.cameras(tree)), [sensor_sites.sites(tree)]
-    sites_by_source += [*(placed.sites for placed in senses.values()), sensor_sites.keypoint_sites(tree)]
-    for placed in senses.values():
-        cameras |= placed.cameras
-    uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
-    nodes: dict[str, Node] = {}
-    for body in reversed(tree.bodies):
-        is_root = body.parent is None
-        group = SOLIDS_GROUP if has_skin and body.name not in uncovered else BODY_GROUP
-        nodes[body.name] = Node(
-            name=body.name,
-            pos_m=hip_m if is_root else body.pos_m,
-            euler_rad=_radians(body.euler_deg),
-            free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
-            geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
-            sites=tuple(site for sites in sites_by_source for site in sites.get(body.name, ())),
-            cameras=cameras.get(body.name, ()),
-            children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
-        )
-    return nodes
 
 
 def _joint(joint: Joint) -> PrintedJoint:
@@ -159,7 +154,6 @@ def _geom(geom: Geom, group: int) -> PrintedGeom:
 
 
 def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
-    """Return the visual geoms of the head: nose and ears."""
     if body.name != "head":
         return ()
     head = next(geom for geom in body.geoms if geom.name == body.name)

@@ -15,21 +15,20 @@ from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
 from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
-from mimoc.bundle.arrays import ARRAYS, LazyArrays, pack_arrays
+from mimoc.bundle.arrays import ARRAYS, Array, LazyArrays, pack_arrays
 from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
-from mimoc.compiler.actuation.setup import ActuationSetup, build_actuation
-from mimoc.compiler.actuation.voice import trace_voice
+from mimoc.compiler.actuation.setup import ActuationSetup, build_actuation, trace_voice
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
 from mimoc.compiler.delays.presets import trace_delays
-from mimoc.compiler.faces import face_arrays
 from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.mimo import find_target
 from mimoc.compiler.mjcf.scene import Placed, SceneTree
+from mimoc.compiler.mjcf.skin import Skin
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.noise_presets import trace_noise
 from mimoc.compiler.notes import notes, notes_on_shapes
@@ -126,7 +125,12 @@ class Builder:
     def origins(self) -> Mapping[str, Any]:
         """Provenance of the infant's numbers, by key in `provenance.json`."""
         spec, tree, manifest = self.spec, self.tree, self.manifest
-        of_body = trace_body(self.grown, tree, _scaled_parts(spec, tree))
+        # The keys of the spec that scale each part, by its name in the body.
+        scaled: dict[str, tuple[str, ...]] = {}
+        for name, part in spec.body.parts.items():
+            keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
+            scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
+        of_body = trace_body(self.grown, tree, scaled)
         written = replace(self.actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
         entries = {
             **trace_actuation(spec.actuation.model, tree, written, of_body),
@@ -143,7 +147,6 @@ class Builder:
         return find_target(self.target).origins(tree, entries)
 
     def __repr__(self) -> str:
-        """Return name and age of its infant."""
         return f"Builder({self.spec.name!r}, {self.spec.age_months:g} months)"
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -282,15 +285,17 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     )
 
 
-def _scaled_parts(spec: InfantSpec, tree: BodyTree) -> dict[str, tuple[str, ...]]:
-    """Return the keys of the spec that scale each part, by its name in the body."""
-    scaled: dict[str, tuple[str, ...]] = {}
-    for name, part in spec.body.parts.items():
-        keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
-        scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
-    return scaled
-
-
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:
-    """Return a spec whose scene has another seed."""
     return spec if seed == spec.scene.seed else spec.with_(scene={"seed": seed})
+
+
+def face_arrays(skin: Skin | None) -> dict[str, Array]:
+    """Return the arrays of a face by name: what any expression moves, and how far each moves it, in steps."""
+    if skin is None or not skin.moves:
+        return {}
+    is_moved = np.any([steps.any(axis=1) for steps in skin.moves.values()], axis=0)
+    arrays = {MOVING: np.flatnonzero(is_moved).astype(np.uint16)}
+    arrays |= {array_of(name): steps[is_moved] for name, steps in skin.moves.items()}
+    for array in arrays.values():
+        array.flags.writeable = False
+    return arrays

@@ -1,6 +1,6 @@
 """The manifest of a scene, with the names of the parts that the runtime and controllers use."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from mimoc.anatomy.parts import PARTS
@@ -20,11 +20,10 @@ from mimoc.bundle.manifest import (
     ToyEntry,
     WeldEntry,
 )
-from mimoc.compiler.actuation.voice import voice_of
+from mimoc.compiler.actuation.setup import voice_of
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.delays.presets import delays
 from mimoc.compiler.looks.appearance import face_material
-from mimoc.compiler.mjcf.elements import Actuator
 from mimoc.compiler.mjcf.scene import Placed, SceneTree
 from mimoc.compiler.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.compiler.mjcf.world import FreeObject
@@ -32,7 +31,7 @@ from mimoc.compiler.noise_presets import noise
 from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.placing import start_pose
 from mimoc.compiler.task_setup import TaskSetup
-from mimoc.schema.actuation import ActuationEntry, ActuationSpec, ActuatorEntry
+from mimoc.schema.actuation import ActuationEntry, ActuatorEntry
 from mimoc.schema.caregiver import CaregiverEntry
 from mimoc.schema.components.actuation import ACTUATIONS
 from mimoc.schema.components.objects import OBJECTS
@@ -97,7 +96,24 @@ def make_manifest(
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
     voice = voice_of(tree) if spec.actuation.voice else None
-    actuation = _actuation(spec.actuation, scene.actuators, commanded).model_copy(update={"voice": voice})
+    actuation = ActuationEntry(
+        model=spec.actuation.model,
+        arousal=spec.actuation.arousal,
+        bandwidth_hz=spec.actuation.bandwidth_hz,
+        actuators=tuple(
+            ActuatorEntry(
+                name=actuator.name,
+                mimo_actuator=actuator.mimo_actuator,
+                joint=actuator.joint,
+                action_low=actuator.control_range[0],
+                action_high=actuator.control_range[1],
+                tone=actuator.tone,
+                commanded=actuator.joint in commanded,
+            )
+            for actuator in scene.actuators
+        ),
+    ).model_copy(update={"voice": voice})
+    # The distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
     manifest = Manifest(
         name=spec.name,
         child=child,
@@ -125,7 +141,11 @@ def make_manifest(
             shapes=tuple(name for name in EXPRESSIONS if name != "neutral") if scene.skin else (),
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
-        plugins=_used_plugins(spec),
+        plugins={
+            f"{group}.{name}": kinds.distribution(name)
+            for group, kinds, name in _used_kinds(spec)
+            if kinds.distribution(name) != "mimoc"
+        },
     )
     return Manifest.model_validate(rounded(manifest.model_dump()))
 
@@ -158,18 +178,6 @@ def rounded_caregiver(entry: CaregiverEntry | None) -> CaregiverEntry | None:
     return entry and CaregiverEntry.model_validate(rounded(entry.model_dump()))
 
 
-def _used_plugins(spec: InfantSpec) -> dict[str, str]:
-    """Return the distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
-
-    The distribution is empty for a kind that a script registered.
-    """
-    return {
-        f"{group}.{name}": kinds.distribution(name)
-        for group, kinds, name in _used_kinds(spec)
-        if kinds.distribution(name) != "mimoc"
-    }
-
-
 def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
     """Yield the group, the table and the name of each kind that a spec uses."""
     for name in SENSES:
@@ -185,23 +193,3 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
         yield "objects", OBJECTS, item.kind
     if spec.scene.toys:
         yield "toys", TOY_SOURCES, spec.scene.toys.source
-
-
-def _actuation(spec: ActuationSpec, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
-    return ActuationEntry(
-        model=spec.model,
-        arousal=spec.arousal,
-        bandwidth_hz=spec.bandwidth_hz,
-        actuators=tuple(
-            ActuatorEntry(
-                name=actuator.name,
-                mimo_actuator=actuator.mimo_actuator,
-                joint=actuator.joint,
-                action_low=actuator.control_range[0],
-                action_high=actuator.control_range[1],
-                tone=actuator.tone,
-                commanded=actuator.joint in commanded,
-            )
-            for actuator in actuators
-        ),
-    )

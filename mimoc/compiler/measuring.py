@@ -111,7 +111,6 @@ class Figure:
     """A compiled infant that can be posed and measured, in [m]."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Stand an infant up straight."""
         self.model, self.data = model, mujoco.MjData(model)
         self.bodies = frozenset(model.body(index).name for index in range(model.nbody))
         self._solids = own_solids(model)

@@ -46,7 +46,14 @@ def free_keyframes(
     Raises:
         ObjectError: If the one of the name *start* is none of them.
     """
-    numbers = _numbers(model, things)
+    # The number of the object that each geom belongs to, by geom.
+    geoms = (
+        (geom.name, number)
+        for number, thing in enumerate(things)
+        for body in thing.elements.root.subtree()
+        for geom in body.geoms
+    )
+    numbers = {model.geom(name).id: number for name, number in geoms}
     data, kept = mujoco.MjData(model), list[Keyframe]()
     for pose in keyframes:
         overlap = _deepest(model, data, pose, numbers)
@@ -55,17 +62,6 @@ def free_keyframes(
         elif pose.name == start:
             raise _refusal(model, overlap, numbers, specs)
     return tuple(kept)
-
-
-def _numbers(model: mujoco.MjModel, things: Sequence[PlacedThing]) -> Mapping[int, int]:
-    """Return the number of the object that each geom belongs to, by geom."""
-    geoms = (
-        (geom.name, number)
-        for number, thing in enumerate(things)
-        for body in thing.elements.root.subtree()
-        for geom in body.geoms
-    )
-    return {model.geom(name).id: number for name, number in geoms}
 
 
 def _deepest(

@@ -42,7 +42,6 @@ from mimoc.schema.toys import ToysSpec
 
 @cache
 def _builtin_toys() -> Toybox:
-    """Return all toys that come with mimoc."""
     return function_of(TOY_SOURCES["builtin"].build, "build")(ToysSpec(), Path())
 
 

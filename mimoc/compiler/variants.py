@@ -106,7 +106,6 @@ class SpecVariants:
         self._own_scene = self._own.furnished(spec.scene.seed)
 
     def __repr__(self) -> str:
-        """Return the name of the infant."""
         return f"SpecVariants({self._spec.name!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:

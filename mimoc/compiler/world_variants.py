@@ -57,11 +57,9 @@ class WorldVariants:
         self._world = lru_cache(KEPT)(self._build_world)
 
     def __repr__(self) -> str:
-        """Return the names of the world and its infants."""
         return f"WorldVariants({self._plan.spec.name!r}, {', '.join(self._plan.infants)})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the plan: copies and other processes build the infants again."""
         return WorldVariants, (self._plan,)
 
     @cached_property
@@ -124,7 +122,6 @@ class WorldBundleVariants:
         self._bundle = bundle
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the bundle."""
         return WorldBundleVariants, (self._bundle,)
 
     def __call__(self, ages_months: Mapping[str, float], scene_seed: int) -> WorldVariant:

@@ -43,15 +43,16 @@ from mimoc.compiler.placing import (
     surroundings,
     toys_around,
 )
-from mimoc.compiler.provenance import SPEC_FILE, trace_spec, trace_world
+from mimoc.compiler.provenance import SPEC_FILE, trace_around, trace_infant, trace_spec, trace_world
 from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.compiler.scenes.footprint import footprint
 from mimoc.compiler.toys.objects import trace_toys
-from mimoc.compiler.world_caregiver import WorldCaregiver, caregivers
 from mimoc.compiler.world_places import (
     InfantPart,
     Poses,
     Settings,
+    WorldCaregiver,
+    caregivers,
     entries_of,
     part_of,
     places_of,
@@ -59,7 +60,6 @@ from mimoc.compiler.world_places import (
     trace_places,
     within,
 )
-from mimoc.compiler.world_provenance import trace_around, trace_infant
 from mimoc.fits import load_tables
 from mimoc.schema import source as sources
 from mimoc.schema.components.scenes import SCENES
@@ -219,7 +219,20 @@ def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = Non
     things = _objects(plan, objects, around, parts, builders, places)
     toys = _toys(plan, around, parts, builders, assets, things)
     weightless = any(one.task_setup.weightless for one in builders.values())
-    world = _world(around, parts, toys, things, weightless)
+    furniture = around.world.furniture
+    for part in parts.values():
+        furniture += part.furniture
+    world = replace(
+        around.world,
+        furniture=furniture,
+        gravity_m_s2=WEIGHTLESS if weightless else around.world.gravity_m_s2,
+        objects=(*toys, *(item for part in parts.values() for item in part.objects)),
+        placed=tuple(thing.elements for thing in things),
+        locks=tuple(item for part in parts.values() for item in part.locks),
+        welds=tuple(item for part in parts.values() for item in part.welds),
+    )
+    roots = [root for part in parts.values() for root in part.tree.roots]
+    world = replace(world, pairs=barrier_pairs(world, roots))
     origins = {**dict(trace_places(plan, places)), **(trace_toys(toys) if scene.toys else {}), **trace_objects(things)}
     built = BuiltWorld(plan, builders, parts, around, world, toys, things, origins, None)
     return _without_bad_poses(_with_caregiver(built))
@@ -239,11 +252,7 @@ def _builder(plan: WorldPlan, name: str) -> Builder:
 
 
 def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
-    """Check that infants can have the same options of MuJoCo's, and the same gravity.
-
-    Raises:
-        SpecError: If they cannot.
-    """
+    """Check that infants can have the same options of MuJoCo's, and the same gravity."""
     first_name, first = next(iter(builders.items()))
     problems = []
     for index, (name, one) in enumerate(builders.items()):
@@ -262,11 +271,7 @@ def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
 
 
 def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
-    """Return a world with the caregiver of its scene, if there is one, where it is within no other infant.
-
-    Raises:
-        SpecError: If there is no such place, or its script offers what is not there.
-    """
+    """Return a world with the caregiver of its scene, if there is one, where it is within no other infant."""
     scene, written = built.plan.spec.scene, built.plan.written
     if scene.caregiver is None:
         return built
@@ -284,11 +289,7 @@ def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
 
 
 def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
-    """Return a world without the poses in which an object is inside of something, or a ribbon is too short.
-
-    Raises:
-        SpecError: If that in which all start is one of them.
-    """
+    """Return a world without the poses in which an object is inside of something, or a ribbon is too short."""
     if not built.things:
         return built
     model, specs = model_without_pictures(built.mjcf), built.plan.spec.scene.objects
@@ -350,38 +351,22 @@ def _toys(
         raise SpecError(plan.written.problem(("scene", "toys"), line) for line in lines) from None
 
 
-def _world(
-    around: BuiltScene,
-    parts: Mapping[str, InfantPart],
-    toys: Sequence[FreeObject],
-    things: Sequence[PlacedThing],
-    weightless: bool,
-) -> World:
-    furniture = around.world.furniture
-    for part in parts.values():
-        furniture += part.furniture
-    world = replace(
-        around.world,
-        furniture=furniture,
-        gravity_m_s2=WEIGHTLESS if weightless else around.world.gravity_m_s2,
-        objects=(*toys, *(item for part in parts.values() for item in part.objects)),
-        placed=tuple(thing.elements for thing in things),
-        locks=tuple(item for part in parts.values() for item in part.locks),
-        welds=tuple(item for part in parts.values() for item in part.welds),
-    )
-    roots = [root for part in parts.values() for root in part.tree.roots]
-    return replace(world, pairs=barrier_pairs(world, roots))
-
-
 def _texts(built: BuiltWorld) -> dict[str, bytes]:
     """Return all files but MJCF and what it refers to."""
     plan, manifest, manifests = built.plan, built.manifest, built.manifests
+    infants = list(manifests.values())
+    # The file of a world with all that it leaves open, which names the files of the infants in the bundle.
+    data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
+    data["infants"] = [
+        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
+    ]
+    data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
     files = {
         SPEC_FILE: plan.written.text.encode(),
-        RESOLVED: dump(_resolved(built)).encode(),
+        RESOLVED: dump(data).encode(),
         PROVENANCE: render_json(packed(dict(_provenance(built))), 2),
         MANIFEST: render_json(manifest.model_dump()),
-        "README.md": _readme(manifest, manifests),
+        "README.md": printing.render_text("WORLD.md.j2", world=manifest, manifests=infants, version=__version__),
     }
     for name, one in built.builders.items():
         arrays = {ARRAYS: pack_arrays(one.arrays)} if one.arrays else {}
@@ -393,21 +378,6 @@ def _texts(built: BuiltWorld) -> dict[str, bytes]:
         }
         files |= {file_of(name, file): content for file, content in of_infant.items()}
     return files
-
-
-def _readme(manifest: WorldManifest, manifests: Mapping[str, Manifest]) -> bytes:
-    infants = list(manifests.values())
-    return printing.render_text("WORLD.md.j2", world=manifest, manifests=infants, version=__version__)
-
-
-def _resolved(built: BuiltWorld) -> dict[str, Any]:
-    """Return the file of a world with all that it leaves open, which names the files of the infants in the bundle."""
-    data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
-    data["infants"] = [
-        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
-    ]
-    data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
-    return data
 
 
 def _notes(built: BuiltWorld) -> Iterator[str]:
@@ -446,12 +416,7 @@ def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
 
 
 def _check(built: BuiltWorld, files: Mapping[str, bytes]) -> None:
-    """Check that MuJoCo takes a world, and that no two infants start within each other.
-
-    Raises:
-        ModelError: If it does not.
-        SpecError: If they do.
-    """
+    """Check that MuJoCo takes a world, and that no two infants start within each other."""
     try:
         model = mujoco.MjModel.from_xml_string(*mjcf_of(files, "scene.xml"))
     except ValueError as error:

@@ -21,7 +21,6 @@ class BodyPoint:
     """A point that is fixed to a body."""
 
     body: int
-    """Index of the body."""
     offset_m: FloatArray
     """In the body's frame, shape (3,)."""
 
@@ -78,21 +77,17 @@ def locate(model: mujoco.MjModel, qpos: FloatArray, names: Sequence[str], prefix
 def _point(model: mujoco.MjModel, name: str, prefix: str) -> BodyPoint | None:
     side, _, part = name.partition("_")
     if name == "head":
-        return _of_head(model, prefix)
+        skull = _find(model, mujoco.mjtObj.mjOBJ_GEOM, f"{prefix}head")
+        if skull < 0:
+            return None
+        centre_m, up_m = model.geom_pos[skull], np.array([0.0, 0.0, model.geom_size[skull].max()])
+        return BodyPoint(int(model.geom_bodyid[skull]), centre_m + HEAD_POINT * up_m)
     if side in SIDES and part in _BODIES:
         bodies = (_find(model, mujoco.mjtObj.mjOBJ_BODY, f"{prefix}{side}_{body}") for body in _BODIES[part])
         return next((BodyPoint(body, np.zeros(3)) for body in bodies if body >= 0), None)
     label = _MIDDLE.get(name) or side[:1].upper() + part.title().replace("_", "")
     site = _find(model, mujoco.mjtObj.mjOBJ_SITE, f"{prefix}BODY_25:{label}")
     return BodyPoint(int(model.site_bodyid[site]), model.site_pos[site].copy()) if site >= 0 else None
-
-
-def _of_head(model: mujoco.MjModel, prefix: str) -> BodyPoint | None:
-    skull = _find(model, mujoco.mjtObj.mjOBJ_GEOM, f"{prefix}head")
-    if skull < 0:
-        return None
-    centre_m, up_m = model.geom_pos[skull], np.array([0.0, 0.0, model.geom_size[skull].max()])
-    return BodyPoint(int(model.geom_bodyid[skull]), centre_m + HEAD_POINT * up_m)
 
 
 def _find(model: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> int:

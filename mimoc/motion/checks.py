@@ -24,7 +24,6 @@ from mimoc.motion.sides import (
 from mimoc.motion.wild import drop_wild
 
 RATES_HZ = 1.0, 1000.0
-"""Of cameras and motion capture."""
 NEEDED = "neck", "left_hip", "right_hip"
 """The trunk, in whose lengths all else is measured."""
 TRUNK_M = 0.08, 0.6
@@ -82,11 +81,7 @@ trunk may be foreshortened, a hand near the camera looks large, and of a limb th
 
 
 def check_numbers(recording: PointRecording) -> PointRecording:
-    """Return a recording in which points are seen or NaN, with confidence from 0 to 1.
-
-    Raises:
-        UnusableFileError: If labels are there twice, or places in no picture and no room.
-    """
+    """Return a recording of points seen or NaN, with confidence from 0 to 1, or raise an UnusableFileError."""
     twice = sorted(label for label, times in Counter(recording.names).items() if times > 1)
     if twice:
         raise UnusableFileError(f"has {one_line(first_of(twice, 5))} twice; keep one infant, and each point once")
@@ -101,12 +96,7 @@ def check_numbers(recording: PointRecording) -> PointRecording:
 
 
 def are_shares(positions: FloatArray, beside: float = 0.0) -> bool:
-    """Return whether positions are shares of a picture: x and y from 0 to 1.
-
-    Args:
-        positions: Shape (t, k, 2) or (t, k, 3).
-        beside: How far most of them may lie beside the picture, as a share of it.
-    """
+    """Return whether positions are shares of a picture, 0 to 1; most may lie *beside* it by this much."""
     places = positions[..., :2][np.isfinite(positions[..., :2]).all(axis=-1)]
     inside = ((places >= -beside) & (places <= 1 + beside)).all(axis=-1)
     return bool(inside.size) and float(inside.mean()) >= _MOSTLY_INSIDE
@@ -121,11 +111,7 @@ def in_pixels(recording: PointRecording, picture_px: tuple[int, int] | None) -> 
 
 
 def drop_unsure(recording: PointRecording, least: float) -> PointRecording:
-    """Return a recording without points of less than a confidence, and a note of how many they are.
-
-    Raises:
-        UnusableFileError: If hardly any are left.
-    """
+    """Return a recording without points of less than a confidence; UnusableFileError if few are left."""
     seen = ~_missing(recording)
     unsure = seen & ~(recording.confidence >= least)
     share = float(unsure.sum() / max(seen.sum(), 1))
@@ -168,10 +154,8 @@ def check_rate(rate_hz: float) -> None:
 def check_points(recording: PointRecording, view: View | None, up: Up | None = None) -> PointRecording:
     """Return a recording whose points are where those of an infant can be, or raise an UnusableFileError.
 
-    Args:
-        recording: Its names are mimoc's.
-        view: What was said of what the camera sees; None asks nothing of sides and of how the infant lies.
-        up: Which axis was said to point upwards, if one was.
+    *view* is what was said of what the camera sees, *up* which axis points upwards; None asks nothing of sides and of
+    how the infant lies.
     """
     _check_trunk(recording)
     _check_unit(recording)
@@ -188,7 +172,10 @@ def check_points(recording: PointRecording, view: View | None, up: Up | None = N
         asked = *unused, *_check_sides(whole, view)
         _check_facing(whole, view, up)
     notes = *whole.notes, *asked, *_restless(whole), *_gaps(whole)
-    return _without_unseen(replace(whole, notes=notes))
+    recording = replace(whole, notes=notes)
+    unseen = [bool(column.all()) for column in _missing(recording).T]
+    names = [name for name, is_unseen in zip(recording.names, unseen, strict=True) if not is_unseen]
+    return recording.select(names) if any(unseen) else recording
 
 
 def _check_trunk(recording: PointRecording) -> None:
@@ -252,13 +239,7 @@ def _check_sides(recording: PointRecording, view: View) -> tuple[str, ...]:
 
 
 def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
-    """Raise an UnusableFileError if an infant in space lies otherwise than was said, so that an axis may be wrong.
-
-    Args:
-        recording: Its z axis is taken to point upwards.
-        view: What was said of the infant: `back` if it lies on its belly; otherwise, it lies on its back.
-        up: Which axis of the file was said to point upwards, if one was.
-    """
+    """Raise an UnusableFileError if an infant in space lies otherwise than was said, so that an axis may be wrong."""
     if recording.unit == "px":
         return
     faces = facing(recording) * (-1 if view == "back" else 1)
@@ -305,20 +286,11 @@ def _restless(recording: PointRecording) -> tuple[str, ...]:
     return (f"these move more: {first_of(wrong, 3)}; they may be called each other's name",) if wrong else ()
 
 
-def _without_unseen(recording: PointRecording) -> PointRecording:
-    """Return a recording without the points that are never seen."""
-    unseen = [bool(column.all()) for column in _missing(recording).T]
-    names = [name for name, is_unseen in zip(recording.names, unseen, strict=True) if not is_unseen]
-    return recording.select(names) if any(unseen) else recording
-
-
 def _missing(recording: PointRecording) -> npt.NDArray[np.bool_]:
-    """Return where points are not seen, shape (t, k)."""
     return np.asarray(np.isnan(recording.positions).any(axis=-1))
 
 
 def _gaps(recording: PointRecording) -> tuple[str, ...]:
-    """Return how much is not seen, and for how long at most."""
     missing = _missing(recording)
     means = zip(recording.names, missing.mean(axis=0).tolist(), strict=True)
     shares = {name: share for name, share in means if share > _SHOWN_GAP}

@@ -3,13 +3,16 @@
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import reduce
 from itertools import accumulate, pairwise
 from pathlib import Path
 from statistics import median
+from typing import Any
+
+from pydantic_core import from_json
 
 from mimoc.bundle.regular_files import (
     UnusableFileError,
@@ -23,11 +26,8 @@ from mimoc.bundle.regular_files import (
 MOST_FRAMES = 2**18
 """Of a recording: 2.4 hours at 30 frames a second."""
 MOST_FRAME_BYTES = 2**20
-"""Of the file of a frame."""
 MOST_FILE_BYTES = 2**27
-"""Of a file with all frames."""
 _MOST_BYTES = 2**29
-"""Of all files of a folder."""
 _FIRST_BYTES = 2**16
 _MOST_DIGITS = 19
 """Of the number of a frame: nanoseconds since 1970."""
@@ -61,11 +61,7 @@ class FrameFiles:
 
 
 def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
-    """Return the files of a folder whose names end in *suffix*, by the number in their names that rises.
-
-    Raises:
-        UnusableFileError: If there are none, too many or too large ones, or two of one number.
-    """
+    """Return files that end in *suffix* by the rising number in their names, or raise an UnusableFileError."""
     names = frame_names(folder, suffix)
     if not names:
         raise UnusableFileError(f"has no files *{suffix}; give the folder that they are in")
@@ -187,3 +183,27 @@ def _microseconds(clock: re.Match[str]) -> str:
 
 def _share_near(steps: Sequence[int], usual: float) -> float:
     return sum(abs(step / usual - 1) < _STAMP_JITTER for step in steps) / len(steps)
+
+
+def parse_frames(files: FrameFiles) -> Iterator[tuple[int, str, Any]]:
+    """Yield index in time, name and data of each file; an UnusableFileError says which is damaged."""
+    for place, name, content in zip(files.places, files.names, files.contents, strict=True):
+        yield place, name, parse(content, name)
+
+
+def parse(content: bytes, name: str = "") -> Any:
+    """Return the data of a file; an UnusableFileError says where it is damaged."""
+    try:
+        return from_json(content)
+    except ValueError as error:
+        where = f"{one_line(name)}: " if name else ""
+        raise UnusableFileError(f"{where}is damaged JSON ({one_line(str(error))}); export it again") from None
+
+
+def objects(data: Any, where: str, key: str = "") -> Sequence[dict[str, Any]]:
+    """Return a list of JSON objects, or what is one under a key of an object, or raise an UnusableFileError."""
+    items = data.get(key) if key and isinstance(data, dict) else data
+    if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
+        what = f"no list '{key}' of persons" if key else "no list of persons"
+        raise UnusableFileError(f"{one_line(where)}: {what}; export it again, or give another format")
+    return items

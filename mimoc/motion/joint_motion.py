@@ -4,7 +4,6 @@ Between frames, places and angles follow cubic splines, and rotations of free jo
 acceleration (SciPy's `RotationSpline`); both pass through every frame.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -78,14 +77,12 @@ class JointMotion:
     """
 
     rate_hz: float
-    """Frames per second."""
     joints: tuple[str, ...]
     """Names of the joints: free joints and hinges."""
     qpos: FloatArray
     """Their configurations, one after another, shape (t, nq): 7 numbers of a free joint [m, quaternion], one of a hinge
     [rad]."""
     free: tuple[str, ...] = ()
-    """Which of the joints are free."""
 
     @property
     def seconds(self) -> float:
@@ -190,11 +187,7 @@ def pack_motion(motion: JointMotion) -> bytes:
 
 
 def read_motion(path: Path) -> JointMotion:
-    """Return the motion in a file, or in the folder of a retargeted recording.
-
-    Raises:
-        MimocError: If there is none, or it is damaged.
-    """
+    """Return the motion in a file, or in the folder of a retargeted recording, or raise a MimocError."""
     file = path / MOTION if path.is_dir() else path
     try:
         content = read_regular_file(file, MOST_BYTES)
@@ -203,25 +196,26 @@ def read_motion(path: Path) -> JointMotion:
     if content is None:
         raise MimocError(f"{file}: the file does not exist; {_ADVICE}")
     try:
-        return _checked(unpack_arrays(content))
+        arrays = unpack_arrays(content)
+        about = _About.model_validate_json(arrays["about"].tobytes())
+        motion = JointMotion(about.rate_hz, about.joints, np.asarray(arrays["qpos"], np.float64), about.free)
+        sizes = [FREE if joint in motion.free else HINGE for joint in motion.joints]
+        frames, count = len(motion.qpos), sum(sizes)
+        if (
+            frames < 2
+            or motion.qpos.shape != (frames, count)
+            or not 0 < motion.rate_hz < 1e6
+            or motion.seconds > MOST_S
+        ):
+            raise ValueError("it has other numbers than its joints need, or is too long")
+        if not (np.abs(motion.qpos) <= MOST_M_OR_RAD).all() or len({*motion.joints}) != len(motion.joints):
+            raise ValueError("it has a number that is none or too large, or names a joint twice")
+        for end, size in zip(np.cumsum(sizes), sizes, strict=True):
+            if (
+                size == FREE
+                and not (np.abs(np.linalg.norm(motion.qpos[:, end - size :][:, TURN], axis=1) - 1) < UNIT).all()
+            ):
+                raise ValueError("it has a quaternion that is no rotation")
+        return motion
     except (BundleError, KeyError, ValueError, TypeError):
         raise MimocError(f"{file}: not a motion, or damaged; give the folder that 'mimoc retarget' wrote") from None
-
-
-def _checked(arrays: Mapping[str, npt.NDArray[Any]]) -> JointMotion:
-    """Return the motion in arrays, or raise a ValueError if they do not fit each other."""
-    about = _About.model_validate_json(arrays["about"].tobytes())
-    motion = JointMotion(about.rate_hz, about.joints, np.asarray(arrays["qpos"], np.float64), about.free)
-    sizes = [FREE if joint in motion.free else HINGE for joint in motion.joints]
-    frames, count = len(motion.qpos), sum(sizes)
-    if frames < 2 or motion.qpos.shape != (frames, count) or not 0 < motion.rate_hz < 1e6 or motion.seconds > MOST_S:
-        raise ValueError("it has other numbers than its joints need, or is too long")
-    if not (np.abs(motion.qpos) <= MOST_M_OR_RAD).all() or len({*motion.joints}) != len(motion.joints):
-        raise ValueError("it has a number that is none or too large, or names a joint twice")
-    for end, size in zip(np.cumsum(sizes), sizes, strict=True):
-        if (
-            size == FREE
-            and not (np.abs(np.linalg.norm(motion.qpos[:, end - size :][:, TURN], axis=1) - 1) < UNIT).all()
-        ):
-            raise ValueError("it has a quaternion that is no rotation")
-    return motion

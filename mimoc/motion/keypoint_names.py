@@ -32,11 +32,7 @@ class KeypointNames:
     """Whether a user has called the infant by its category."""
 
     def placed(self, entry: Mapping[str, Any], numbers: Sequence[Any], where: str) -> Sequence[Any]:
-        """Return the numbers of a person, three a point, in the order of the labels; zeros for those it has not.
-
-        Raises:
-            UnusableFileError: If they are not those of so many points.
-        """
+        """Return a person's numbers, three a point, in the order of labels, or raise an UnusableFileError."""
         columns = self.columns.get(_category_of(entry), range(len(self.labels)))
         if not self.labels:
             return numbers
@@ -58,16 +54,9 @@ class KeypointNames:
 
 
 def keypoint_names(data: Any, entries: Iterable[Mapping[str, Any]], infant: str | None) -> KeypointNames:
-    """Return the labels that a file has for the points of its persons, by the category of each.
+    """Return the labels that a file has for the points of its persons, by category, or raise an UnusableFileError.
 
-    Args:
-        data: The file.
-        entries: Persons.
-        infant: What a user calls the infant, perhaps by its category. Without it, only persons of a category that is
-            called an infant count, if there is one.
-
-    Raises:
-        UnusableFileError: If names are damaged, or a person is of a category that is not there.
+    Without *infant*, what a user calls it, only persons of a category that is called an infant count, if there is one.
     """
     if not isinstance(data, dict):
         return KeypointNames()
@@ -138,7 +127,6 @@ def _labels_of_mmpose(meta: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _in_order(numbered: Sequence[tuple[int, Any]]) -> tuple[str, ...]:
-    """Return labels in the order of their numbers, which count from 0."""
     ordered = sorted(numbered, key=lambda pair: pair[0])
     if [number for number, _ in ordered] != [*range(len(ordered))]:
         raise ValueError("numbers are missing")

@@ -77,7 +77,6 @@ def known_name(label: str) -> str:
 
 
 def _columns(labels: Sequence[str], names: Mapping[str, str]) -> dict[str, list[int]]:
-    """Return at which labels each point is."""
     for label, name in names.items():
         if name not in POINTS:
             raise UnknownNameError("point", name, POINTS)
@@ -113,7 +112,6 @@ def _gathered(recording: PointRecording, columns: Mapping[str, list[int]], notes
 
 
 def _with_neck(recording: PointRecording) -> PointRecording:
-    """Return a recording with a neck, if it has one or shoulders."""
     shoulders = "left_shoulder", "right_shoulder"
     if "neck" in recording.names or not {*shoulders} <= {*recording.names}:
         return recording
@@ -131,7 +129,6 @@ def _with_neck(recording: PointRecording) -> PointRecording:
 
 
 def _note(name: str, labels: Sequence[str]) -> str:
-    """Return what is assumed of where a point is; nothing of a label that is its name."""
     if len(labels) == 1 and not _is_marker(labels[0]):
         return ""
     return f"{name} is taken to be at {one_line(', '.join(labels))}"

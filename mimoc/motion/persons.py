@@ -26,7 +26,6 @@ _SELDOM = 0.1
 _LARGEST = 2**63
 """More than any number of a person."""
 _SHOWN = 6
-"""Identities in a note."""
 
 
 class Person(NamedTuple):
@@ -39,11 +38,7 @@ class Person(NamedTuple):
 
 
 def person(identity: str, numbers: Sequence[float | None], where: str) -> Person:
-    """Return somebody by the numbers of a file, of which nothing but numbers is kept; None is NaN.
-
-    Raises:
-        UnusableFileError: If they are no numbers: *where* they stand, and that.
-    """
+    """Return somebody by the numbers of a file, None as NaN, or an UnusableFileError with *where* they stand."""
     try:
         try:
             return Person(identity, array("d", cast(Sequence[float], numbers)))  # Few have a None.

@@ -33,7 +33,6 @@ class Camera:
     centre_px: tuple[float, float]
     """Where its axis meets the picture, from the middle of the top left pixel."""
     size_px: tuple[int, int]
-    """Width and height of its pictures."""
 
     def project(self, points_m: FloatArray) -> FloatArray:
         """Return where points are seen, shape (..., 2), [px]: f x / z + c.
@@ -63,7 +62,6 @@ class PointRecording:
 
     name: str
     rate_hz: float
-    """Frames per second."""
     names: tuple[str, ...]
     """Names of the points, k of `mimoc.motion.points.POINTS`."""
     positions: FloatArray

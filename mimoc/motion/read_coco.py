@@ -14,10 +14,12 @@ from mimoc.motion.frame_files import (
     first_bytes,
     frame_places,
     numbers_of_files,
+    objects,
+    parse,
+    parse_frames,
     read_frame_files,
     read_whole_file,
 )
-from mimoc.motion.json_frames import objects, parse, parse_frames
 from mimoc.motion.keypoint_names import SOURCES, KeypointNames, keypoint_names
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.persons import Frame, Person, identity, person, place_points
@@ -140,7 +142,6 @@ def _has(data: Any, key: str) -> bool:
 
 
 def _items(data: Any, where: str) -> Sequence[dict[str, Any]]:
-    """Return the entries of persons, which may be under a key."""
     keys = [
         key for key in ("annotations", "instances", "instance_info", "people") if isinstance(data, dict) and key in data
     ]
@@ -165,13 +166,15 @@ def _frame_name(entry: Mapping[str, Any], where: str) -> str:
 
 
 def _persons(entries: Iterable[Mapping[str, Any]], names: KeypointNames, where: str) -> list[Person]:
-    """Return those with keypoints who may be the infant."""
     chosen = [entry for entry in entries if entry.get("keypoints") and names.takes(entry)]
-    return [person(_identity(entry), names.placed(entry, _flat(entry, where), where), where) for entry in chosen]
-
-
-def _identity(entry: Mapping[str, Any]) -> str:
-    return next((name for key in _IDENTITIES if (name := identity(entry.get(key)))), "")
+    return [
+        person(
+            next((name for key in _IDENTITIES if (name := identity(entry.get(key)))), ""),
+            names.placed(entry, _flat(entry, where), where),
+            where,
+        )
+        for entry in chosen
+    ]
 
 
 def _flat(entry: Mapping[str, Any], where: str) -> Sequence[float]:

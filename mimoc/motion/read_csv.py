@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.errors import suggestion
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
@@ -40,7 +39,6 @@ MIN_SCORES = {"likelihood": 0.6, "visibility": 0.5}
 """Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (from which on its `drawing_utils` draw), by
 what they call confidence."""
 _HEADERS = 4
-"""Rows that may name columns."""
 
 Cells = Sequence[Sequence[str]]
 
@@ -64,11 +62,7 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def points_in(name: str, rows: Cells, options: ReadOptions) -> PointRecording:
-    """Return the points of a table whose cells are *rows*; positions are in the unit of its columns, if they say one.
-
-    Raises:
-        UnusableFileError: If it is not a table of points, or damaged.
-    """
+    """Return the points of a table of *rows*, in the unit of its columns, if any, or raise an UnusableFileError."""
     header = _titles(rows)
     if rows[0][0].strip().lower() == _DEEPLABCUT[0]:
         return _of_deeplabcut(name, rows, options)
@@ -175,7 +169,6 @@ def _of_one_person(header: Sequence[str], rows: Cells, options: ReadOptions) -> 
 
 
 def _infant(names: Sequence[str], options: ReadOptions) -> str:
-    """Return the name of the infant among those of all individuals, each of which may be there often."""
     known = [*dict.fromkeys(names)]
     known = [name for name in known if name not in ("", _NO_INDIVIDUAL)] or known
     asked = None if options.infant is None else str(options.infant)
@@ -239,7 +232,13 @@ def _recording(
     axes = ("x", "y", "z") if "z" in known and unit != "px" else ("x", "y")
     positions = np.stack([known.get(axis, np.full(shape, np.nan)) for axis in axes], axis=-1) * METRES.get(unit, 1.0)
     confidence = np.nan_to_num(known.get("confidence", np.ones(shape)), nan=0.0).clip(0, 1)
-    seen = np.isfinite(positions).all(axis=-1) & (confidence > 0) & ~_empty(positions)
+    # Zeros stand for a point that is not seen; one that is always there is the origin.
+    zero = np.asarray(~positions.any(axis=-1))
+    seen = (
+        np.isfinite(positions).all(axis=-1)
+        & (confidence > 0)
+        & ~(zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0))
+    )
     depth_m = known.get("depth_m") if len(axes) == 2 else None
     return PointRecording(
         name,
@@ -250,9 +249,3 @@ def _recording(
         depth_m=None if depth_m is None else on_frames(depth_m, when.places),
         notes=when.notes,
     )
-
-
-def _empty(positions: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return where zeros stand for a point that is not seen, shape (t, k); one that is always there is the origin."""
-    zero = np.asarray(~positions.any(axis=-1))
-    return zero & ~(zero | np.isnan(positions).any(axis=-1)).all(axis=0)

@@ -12,8 +12,7 @@ import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
-from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, read_frame_files, read_whole_file
-from mimoc.motion.json_frames import parse, parse_frames
+from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, parse, parse_frames, read_frame_files, read_whole_file
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.point_recording import PointRecording
 from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, points_in, points_of
@@ -84,7 +83,6 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def _placed(recording: PointRecording) -> PointRecording:
-    """Return landmarks without the third axis or, if the origin is at the hips, with one that points upwards."""
     if recording.unit == "px":
         return recording
     hips = [recording.path(name) for name in ("left_hip", "right_hip") if name in recording.names]
@@ -135,7 +133,6 @@ def _column_of_points(header: Sequence[str]) -> int | None:
 
 
 def _columns(header: Sequence[str]) -> list[str]:
-    """Return the names of columns with those of landmarks in one form, `left_hip_x`."""
     parts = [_split(cell) for cell in header]
     names = iter(_names([label for label, what, _ in parts if what]))
     is_seen = any(what in ("visibility", "confidence") for _, what, _ in parts)
@@ -156,9 +153,8 @@ def _split(cell: str) -> tuple[str, str, str]:
 
 
 def _names(labels: Sequence[str]) -> list[str]:
-    """Return the landmarks that labels mean, by name or by number from 0 or 1; other labels stay as they are."""
     plain = [_plain(label) for label in labels]
-    numbers = {int(word) for word in plain if _is_number(word)}
+    numbers = {int(word) for word in plain if word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))}
     first = 1 if len(LANDMARKS) in numbers and 0 not in numbers else 0
     by_word = {str(number): name for number, name in enumerate(LANDMARKS, first)} | _NAMES
     return [by_word.get(word.lstrip("0") or "0", label) for word, label in zip(plain, labels, strict=True)]
@@ -168,10 +164,6 @@ def _plain(label: str) -> str:
     """Return a label as it stands in the table of names, or as its number."""
     word = re.sub("[^a-z0-9]", "", re.split("[.:]", label)[-1].lower())
     return word[match.end() :] if (match := _PREFIX.match(word)) else word
-
-
-def _is_number(word: str) -> bool:
-    return word.isdecimal() and len(word) <= len(str(len(LANDMARKS)))
 
 
 def _of_folder(path: Path, options: ReadOptions) -> PointRecording:
@@ -184,7 +176,6 @@ def _of_folder(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOptions) -> PointRecording:
-    """Return the landmarks of frames, one after the other, at a rate that their times may say instead."""
     header = [f"{landmark}_{what}" for landmark in LANDMARKS for what in ("x", "y", "z", "visibility")]
     numbers = np.full((len(frames), len(LANDMARKS), 4), np.nan)
     for index, frame in enumerate(frames):
@@ -194,7 +185,11 @@ def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOp
                 numbers[index, which] = [_four(point) for point in points]
         except (TypeError, ValueError, KeyError, IndexError, OverflowError, AttributeError):
             raise UnusableFileError(f"frame {index} of the list: landmarks are damaged; export it again") from None
-    columns = [key for key in (frames[0] if frames and isinstance(frames[0], dict) else ()) if _is_of_frames(key)]
+    columns = [
+        key
+        for key in (frames[0] if frames and isinstance(frames[0], dict) else ())
+        if key.lower() in FRAMES or is_of_times(key.lower())
+    ]
     known = [key for key in columns if all(isinstance(frame, dict) and _is_finite(frame.get(key)) for frame in frames)]
     when = np.array([[frame[key] for key in known] for frame in frames], dtype=np.float64).reshape(len(frames), -1)
     recording = points_of(name, [*known, *header], np.concatenate([when, numbers.reshape(len(frames), -1)], axis=1))
@@ -202,7 +197,6 @@ def _of_frames(name: str, frames: Sequence[Any], rate_hz: float, options: ReadOp
 
 
 def _frames(data: Any) -> tuple[Sequence[Any], float]:
-    """Return the frames of a JSON file, and their rate, NaN if it does not say it."""
     rate_hz = math.nan
     if isinstance(data, dict):
         rate_hz = next((float(data[key]) for key in _RATES if _is_finite(data.get(key))), math.nan)
@@ -220,11 +214,7 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
 
 
 def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[Any]]:
-    """Return the landmarks of a frame after their numbers; none if nobody was seen.
-
-    Raises:
-        TypeError, ValueError, KeyError, IndexError: If they are no landmarks.
-    """
+    """Return the landmarks of a frame after their numbers; none if nobody was seen; any error if they are none."""
     points = frame
     if isinstance(frame, dict):
         keys = [key for key in frame if "landmark" in key.lower() and not _OTHERS.search(key.lower())]
@@ -233,7 +223,8 @@ def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[
         points = next((frame[key] for key in keys if frame[key]), named)
         if isinstance(points, dict) and "landmark" in points:  # As protocol buffers become JSON.
             points = points["landmark"]
-    if _are_persons(points):
+    first = points[0] if isinstance(points, list) and points else None
+    if isinstance(first, list) and first and isinstance(first[0], (dict, list)):
         if len(points) > 1:
             raise UnusableFileError("has several persons in a frame; export the infant alone")
         points = points[0]
@@ -249,22 +240,11 @@ def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[
     return range(len(points)), points
 
 
-def _are_persons(points: Any) -> bool:
-    """Return whether these are lists of landmarks, and not landmarks."""
-    first = points[0] if isinstance(points, list) and points else None
-    return isinstance(first, list) and bool(first) and isinstance(first[0], (dict, list))
-
-
 def _four(point: Any) -> tuple[Any, ...]:
-    """Return x, y, z and visibility of a landmark; None for those that it lacks."""
     if isinstance(point, dict):
         seen = point["visibility"] if "visibility" in point else point.get("presence", 1.0)
         return point["x"], point["y"], point.get("z"), seen
     return (*point, None, 1.0)[:4] if len(point) == 2 else (*point, 1.0)[:4]
-
-
-def _is_of_frames(key: str) -> bool:
-    return key.lower() in FRAMES or is_of_times(key.lower())
 
 
 def _is_finite(value: Any) -> bool:

@@ -119,7 +119,6 @@ def _in_space(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointReco
 
 
 def _place(path: Path) -> tuple[Path, Joints] | None:
-    """Return the folder with joints, and what they are, if there is one."""
     for joints in FOLDERS:
         for folder in (path, path / joints.folder):
             if not (folder != path and folder.is_symlink()) and _has_joints(folder, joints):
@@ -133,11 +132,7 @@ def _has_joints(folder: Path, joints: Joints) -> bool:
 
 
 def _numbers(files: FrameFiles) -> FloatArray:
-    """Return x, y and depth or z of each joint, shape (t, 25, 3); NaN where a line or a frame is missing.
-
-    Raises:
-        UnusableFileError: If a file has other lines; it is named.
-    """
+    """Return x, y and depth or z of joints, shape (t, 25, 3), NaN if missing, or raise an UnusableFileError."""
     words = [content.split() for content in files.contents]
     lines = np.array([len(of_frame) // 4 for of_frame in words])
     try:

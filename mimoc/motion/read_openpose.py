@@ -6,8 +6,7 @@ from typing import Any
 
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
-from mimoc.motion.frame_files import first_bytes, read_frame_files
-from mimoc.motion.json_frames import objects, parse_frames
+from mimoc.motion.frame_files import first_bytes, objects, parse_frames, read_frame_files
 from mimoc.motion.options import ReadOptions
 from mimoc.motion.persons import Frame, Person, identity, person, place_points
 from mimoc.motion.point_recording import PointRecording

@@ -83,11 +83,7 @@ def read_points(
 
 
 def read_again(path: Path) -> PointRecording:
-    """Read points that `read_points` has returned and mimoc has written: it is not asked again how the infant lies.
-
-    Raises:
-        RecordingError: If the file cannot be used.
-    """
+    """Read points that mimoc has written, without asking how the infant lies, or raise a RecordingError."""
     return _read_in_words(path, "npz", ReadOptions(view=None, up="z"))
 
 
@@ -95,7 +91,18 @@ def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> Poi
     """Return a recording, or raise a RecordingError that says in one line why there is none."""
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
-            return _checked(_read(place, format, options), options)
+            kind = FORMATS.find(format) if format else None
+            if not place.exists():
+                raise UnusableFileError("there is no such file or folder; check the path")
+            if options.rate_hz is not None:
+                check_rate(options.rate_hz)
+            read = function_of((kind or _recognised(place)).read, "read")
+            known = drop_unsure(
+                check_numbers(read(place.resolve() if place.is_dir() else place, options)), options.least_score(0.0)
+            )
+            named = name_points(turned(in_pixels(known, options.picture_px), options.up), options.names)
+            camera = None if named.unit == "m" else options.camera or named.camera
+            return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
     except UnusableFileError as error:
         raise RecordingError(one_line(f"{place}: {error}")) from None
     except OSError as error:
@@ -103,27 +110,7 @@ def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> Poi
         raise RecordingError(one_line(f"{place}: {reason}")) from None
 
 
-def _read(place: Path, name: str | None, options: ReadOptions) -> PointRecording:
-    """Return what a file or folder holds, with its own labels."""
-    kind = FORMATS.find(name) if name else None
-    if not place.exists():
-        raise UnusableFileError("there is no such file or folder; check the path")
-    if options.rate_hz is not None:
-        check_rate(options.rate_hz)
-    read = function_of((kind or _recognised(place)).read, "read")
-    return read(place.resolve() if place.is_dir() else place, options)
-
-
-def _checked(recording: PointRecording, options: ReadOptions) -> PointRecording:
-    """Return it with mimoc's names, and with what else a user says of it, if it can be that of an infant."""
-    known = drop_unsure(check_numbers(recording), options.least_score(0.0))
-    named = name_points(turned(in_pixels(known, options.picture_px), options.up), options.names)
-    camera = None if named.unit == "m" else options.camera or named.camera
-    return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
-
-
 def _recognised(place: Path) -> MotionFormat:
-    """Return the format that a file or folder is in, or raise an UnusableFileError."""
     for kind in FORMATS.values():
         if function_of(kind.recognise, "recognise")(place):
             return kind

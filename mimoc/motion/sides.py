@@ -154,7 +154,10 @@ def _unit(vectors: FloatArray) -> FloatArray:
 def _exchanged(left: FloatArray, right: FloatArray, trunk: float) -> npt.NDArray[np.bool_]:
     """Return in which frames two limbs, shape (t, p, d), are exchanged."""
     after = np.stack([left, right], axis=1)
-    before = _last_seen(after)[:-1]
+    seen = np.isfinite(after).all(axis=-1, keepdims=True)
+    frames = np.arange(len(after)).reshape(-1, *([1] * (after.ndim - 1)))
+    last = np.maximum.accumulate(np.where(seen, frames, 0), axis=0)
+    before = np.take_along_axis(after, last, axis=0)[:-1]
     kept, crossed = (_distance(after[1:], earlier) / trunk for earlier in (before, before[:, ::-1]))
     with np.errstate(invalid="ignore"):
         changes = (kept > _JUMP) & (crossed < _RATIO * kept)
@@ -170,14 +173,6 @@ def _distance(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.where(seen, apart, 0.0).sum(axis=-1) / np.where(number, number, np.nan)
 
 
-def _last_seen(positions: FloatArray) -> FloatArray:
-    """Return where each point, time first, was seen last; NaN until it is."""
-    seen = np.isfinite(positions).all(axis=-1, keepdims=True)
-    frames = np.arange(len(positions)).reshape(-1, *([1] * (positions.ndim - 1)))
-    last = np.maximum.accumulate(np.where(seen, frames, 0), axis=0)
-    return np.take_along_axis(positions, last, axis=0)
-
-
 def _across(recording: PointRecording) -> FloatArray:
     """Return vectors from right to left, by the hips and, if they are known, the shoulders."""
     parts = [part for part in ("hip", "shoulder") if {f"{side}_{part}" for side in SIDES} <= {*recording.names}]
@@ -185,7 +180,6 @@ def _across(recording: PointRecording) -> FloatArray:
 
 
 def _in_space(recording: PointRecording) -> PointRecording:
-    """Return pixels with depth as places in the frame of the camera, [m]."""
     if recording.depth_m is None:
         return recording
     camera, depth_m = recording.camera or MINI_RGBD_CAMERA, recording.depth_m[..., None]

@@ -72,11 +72,7 @@ def numbers_of(rows: Sequence[Sequence[str]], header: Sequence[str]) -> FloatArr
 
 
 def unit_of(header: Sequence[str]) -> str:
-    """Return the unit of x and y by the names of their columns, such as `neck_x_mm`; "" if they say none.
-
-    Raises:
-        UnusableFileError: If they say several.
-    """
+    """Return the unit of x and y by names such as `neck_x_mm`, "" for none; UnusableFileError for several."""
     units = sorted({match[1].lower() for cell in header if (match := _OF_AXIS.fullmatch(cell))})
     if len(units) > 1:
         raise UnusableFileError(f"has columns in {' and '.join(units)}; export all in one unit")

@@ -117,7 +117,8 @@ def find_tracks(people: Detections) -> Tracks:
     """Return who is who: what hardly moves from a frame to the next first, then all else, the surest first."""
     number = len(people.places)
     previous, following = np.full(number, -1), np.full(number, -1)
-    possible = _feasible(people, *_consecutive(people.places), people.points, people.points)
+    first, last = (np.searchsorted(people.places, people.places + 1, side) for side in ("left", "right"))
+    possible = _feasible(people, *_pairs(np.arange(len(people.places)), first, last), people.points, people.points)
     _take(possible, previous, following, _SURE + _SURE_PER_SECOND / people.rate_hz)
     for _ in range(_MOST_ROUNDS):
         ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
@@ -143,14 +144,7 @@ def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
     return twice
 
 
-def _consecutive(places: Indices) -> tuple[Indices, Indices]:
-    """Return all pairs of detections of which the second is in the frame after the first's."""
-    first, last = (np.searchsorted(places, places + 1, side) for side in ("left", "right"))
-    return _pairs(np.arange(len(places)), first, last)
-
-
 def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices, Indices]:
-    """Return pairs of the end of a track and the begins of those that come next."""
     first = np.searchsorted(places[begins], places[ends], "right")
     most = min(_NEXT, max(_MOST_OVER_GAPS // max(len(ends), 1), 1))
     before, after = _pairs(ends, first, np.minimum(first + most, len(begins)))
@@ -167,13 +161,7 @@ def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indi
 
 
 def _steady(people: Detections, neighbours: Indices, items: Indices) -> FloatArray:
-    """Return points in which some detections are replaced by the medians of a few frames of their tracks.
-
-    Args:
-        people: Everybody.
-        neighbours: Index of the detection before or after each in its track, shape (n,); -1 for none.
-        items: Which detections.
-    """
+    """Return points with the medians of a few frames of their tracks for *items*; no neighbour is -1."""
     known = np.append(people.points, np.full((1, *people.points.shape[1:]), np.nan), axis=0)
     neighbours = np.append(neighbours, -1)
     near = [items]
@@ -185,14 +173,10 @@ def _steady(people: Detections, neighbours: Indices, items: Indices) -> FloatArr
 
 
 def _feasible(people: Detections, before: Indices, after: Indices, until: FloatArray, since: FloatArray) -> Links:
-    """Return those of some pairs that may be one person, with their costs.
+    """Return those of some pairs, indices *before* and *after*, that may be one person, with their costs.
 
-    Args:
-        people: Everybody.
-        before: Index of the first of each pair.
-        after: Index of the second.
-        until: Points of the first ones, shape (n, k, 2), with those that were seen shortly before.
-        since: Points of the second ones, with those that are seen shortly after.
+    *until* are the points of the first ones, shape (n, k, 2), with those seen shortly before, *since* of the second
+    ones, with those seen shortly after.
     """
     chunks = [slice(start, start + _CHUNK) for start in range(0, len(before), _CHUNK)] or [slice(0)]
     radii = _radii(people.points)

@@ -18,7 +18,6 @@ _SECONDS = {
     1e-9: "ns nsec nano nanosec nanosecond",
 }
 LENGTHS = "mm, cm, dm, m, in, ft"
-"""Units that messages name."""
 _SHORTEST_PLURAL = 3
 """Letters: `cms` are centimetres, `ms` are no metres."""
 _LENGTHS_BY_WORD, _TIMES_BY_WORD = (

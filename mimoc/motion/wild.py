@@ -38,7 +38,6 @@ def drop_wild(recording: PointRecording, apart: Pairs) -> PointRecording:
 
 
 def _without(recording: PointRecording, points: Mask) -> PointRecording:
-    """Return a recording in which some points, shape (t, k), are not seen."""
     positions = np.where(points[..., None], np.nan, recording.positions)
     return replace(recording, positions=positions, confidence=np.where(points, 0.0, recording.confidence))
 
@@ -101,5 +100,4 @@ def _is_sudden(recording: PointRecording, pair: Sequence[int], is_far: Mask) -> 
 
 
 def _distances(recording: PointRecording, first: int, second: int) -> npt.NDArray[np.float64]:
-    """Return how far two points are apart, shape (t,), in trunks."""
     return np.linalg.norm(recording.positions[:, first] - recording.positions[:, second], axis=1) / recording.trunk

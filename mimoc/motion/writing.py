@@ -65,7 +65,6 @@ def write_mini_rgbd(recording: PointRecording, folder: Path) -> Path:
 
 
 def _lines(recording: PointRecording) -> Iterator[str]:
-    """Yield the wide table of a recording, line by line, its numbers as exact as they are."""
     depth = () if recording.depth_m is None else (recording.depth_m[..., None],)
     axes = ("x_m", "y_m", "z_m") if recording.unit == "m" else ("x", "y")
     ends = (*axes, "confidence", *(("depth_m",) if depth else ()))

@@ -38,11 +38,7 @@ class Windows:
 
 
 def windows_of(recordings: Sequence[PointRecording]) -> Windows:
-    """Return the measures of all whole windows of 8 s of some recordings, of another infant each.
-
-    Raises:
-        MovementError: If a recording is shorter than a window, or cannot be measured.
-    """
+    """Return the measures of all whole windows of 8 s of recordings, one infant each, or raise a MovementError."""
     rows, infants = [], []
     for infant, recording in enumerate(recordings):
         frames = round(WINDOW_S * recording.rate_hz)

@@ -9,8 +9,7 @@ import numpy.typing as npt
 from mimoc.base.quantities.movement_details import CENTROID, DETAILS
 from mimoc.motion.point_recording import FloatArray
 from mimoc.motion.points import SIDES
-from mimoc.movement.kicks import Kick, kicks_of
-from mimoc.movement.measures import LIMB_POINTS, STILL, correlation, leg_lengths
+from mimoc.movement.measures import LIMB_POINTS, STILL, correlation, kicks_of, leg_lengths
 from mimoc.movement.trunk_frame import TrunkPaths
 from mimoc.runtime.quantities.movement_units import MOVING_TRUNK_S, unit_spans
 
@@ -58,13 +57,10 @@ def _of_ends(body: TrunkPaths, part: str) -> dict[str, float]:
 
 
 def path_dimension(path: FloatArray) -> float:
-    """Return Higuchi's fractal dimension of a path over time: 1 if it is smooth, 1.5 for a random walk, 2 for noise.
+    """Return Higuchi's fractal dimension of a path, (t, 2), over time: 1 if smooth, 1.5 for a random walk, 2 for noise.
 
     With L(k) the length of the path looked at in steps of k, its mean over the k first points to begin at, it is the
     slope of ln L(k) over ln 1 / k. NaN if nothing moves.
-
-    Args:
-        path: Shape (t, 2).
     """
     lengths = [np.mean([_length(path, first, step) for first in range(step)]) for step in PATH_STEPS]
     if min(lengths) < STILL:
@@ -139,7 +135,9 @@ def _legs(body: TrunkPaths) -> dict[str, float]:
         for kick in some
     ]
     together = [
-        _has_one_near(kick, others, rate_hz) for some, others in ((left, right), (right, left)) for kick in some
+        any(abs(kick.peak - other.peak) <= TOGETHER_S * rate_hz for other in others)
+        for some, others in ((left, right), (right, left))
+        for kick in some
     ]
     return {
         "leg_length_median_trunk": float(np.median(lengths)),
@@ -154,10 +152,6 @@ def _legs(body: TrunkPaths) -> dict[str, float]:
         "legs_together_r": correlation(*lengths),
         "kicks_together_share": _mean(together),
     }
-
-
-def _has_one_near(kick: Kick, others: list[Kick], rate_hz: float) -> bool:
-    return any(abs(kick.peak - other.peak) <= TOGETHER_S * rate_hz for other in others)
 
 
 def _mean(values: Sequence[float]) -> float:

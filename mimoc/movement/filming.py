@@ -54,11 +54,7 @@ class Film:
         self._block.append(env.data.qpos.copy())
 
     def develop(self, name: str) -> Filmed:
-        """Return what the camera saw, without the first second.
-
-        Raises:
-            MovementError: If what is left is too short to measure.
-        """
+        """Return what the camera saw, without the first second; MovementError if it is too short to measure."""
         self._locate()
         times_s = np.array(self.times_s)
         times_s -= times_s[0] if len(times_s) else 0.0
@@ -86,13 +82,8 @@ def film_places(name: str, times_s: FloatArray, places_m: FloatArray, start_s: f
     """Return what a camera that looks straight down on an infant sees at 30 frames/s, rounded to whole pixels.
 
     Its picture has world x to the right and world -y downwards. It stands above the mean place of the hips, at the
-    height at which the trunk is as long as those of MINI-RGBD, f T / h = 138 px.
-
-    Args:
-        name: What to call the recording.
-        times_s: When points are where, shape (s,), increasing.
-        places_m: Where `SPACE_POINTS` are in the world, shape (s, k, 3).
-        start_s: Beginning of the film.
+    height at which the trunk is as long as those of MINI-RGBD, f T / h = 138 px. Times rise, shape (s,), and places are
+    those of `SPACE_POINTS` in the world, shape (s, k, 3).
     """
     count = int((times_s[-1] - start_s) * RATE_HZ + 1e-6) + 1
     frames_s = start_s + np.arange(count) / RATE_HZ

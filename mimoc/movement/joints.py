@@ -7,8 +7,7 @@ import numpy as np
 
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.points import SIDES
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import correlation
+from mimoc.movement.measures import correlation, kicks_of
 from mimoc.movement.trunk_frame import stand_ins
 from mimoc.runtime.quantities.movement_units import unit_spans
 
@@ -85,7 +84,6 @@ def _angles(places_m: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 
 def _between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return the angle between directions, shape (t,), [deg]."""
     across = np.linalg.norm(np.cross(first, second), axis=1)
     return np.degrees(np.arctan2(across, (first * second).sum(axis=1)))
 
@@ -134,6 +132,5 @@ def _of_movements(
 
 
 def _acceleration(path_m: FloatArray, rate_hz: float) -> FloatArray:
-    """Return how large the acceleration on a path is, shape (t,), [m/s²]."""
     velocity = np.gradient(path_m, axis=0) * rate_hz
     return np.linalg.norm(np.gradient(velocity, axis=0) * rate_hz, axis=1)

@@ -1,4 +1,6 @@
-"""The measures of movement of one recording."""
+"""The measures of movement of one recording, and its kicks."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.signal import find_peaks, welch
@@ -22,11 +24,7 @@ LIMB_POINTS = "hand", "elbow", "foot", "knee"
 
 
 def core_measures(recording: PointRecording) -> dict[str, float]:
-    """Return the 21 measures that infants are compared by, in the order of `mimoc.base.quantities.movement.CORE`.
-
-    Raises:
-        MovementError: If points are missing, or it is too slow or too short.
-    """
+    """Return the 21 measures of `CORE`, in order; MovementError if points are missing, or it is slow or short."""
     return core_of(trunk_paths(recording))
 
 
@@ -74,7 +72,6 @@ def correlation(first: FloatArray, second: FloatArray) -> float:
 
 
 def _of_ends(body: TrunkPaths, part: str) -> list[float]:
-    """Return what is measured of both hands or feet."""
     both, paths = body.both(part), body.sides(part)
     every = max(1, round(body.rate_hz / ENTROPY_HZ))
     peaks = [len(movement_units(speed)) for speed in both]
@@ -84,15 +81,11 @@ def _of_ends(body: TrunkPaths, part: str) -> list[float]:
         float((both > MOVING_TRUNK_S).mean()),
         float(np.mean([np.sqrt(path.var(axis=0).sum()) for path in paths])),
         float(np.mean([sample_entropy(one[::every]) for one in both])),
-        float(np.mean([_excess_kurtosis(one) for one in both])),
+        float(np.mean([float(kurtosis(one)) if one.std() >= STILL else 0.0 for one in both])),
         _median_frequency(body, part),
         correlation(both[0], both[1]),
         float(np.mean(peaks)) / body.minutes,
     ]
-
-
-def _excess_kurtosis(speed: FloatArray) -> float:
-    return float(kurtosis(speed)) if speed.std() >= STILL else 0.0
 
 
 def _median_frequency(body: TrunkPaths, part: str) -> float:
@@ -108,3 +101,39 @@ def _dimensions(body: TrunkPaths) -> float:
     ends = np.concatenate([body.paths[f"{side}_{part}"] for side in SIDES for part in LIMB_POINTS], axis=1)
     values = np.linalg.eigvalsh(np.cov(ends.T))
     return float(values.sum() ** 2 / (values**2).sum()) if values.sum() > STILL**2 else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Kick:
+    """One kick, by its frames: the leg is extended from *start* to *peak*, and flexed until *stop*."""
+
+    start: int
+    peak: int
+    stop: int
+    amplitude_trunk: float
+    """Prominence of the maximum."""
+    extension_rate_trunk_s: float
+    """Largest rate of extension from *start* to *peak*."""
+    flexion_rate_trunk_s: float
+    """Largest rate of flexion from *peak* to *stop*."""
+
+
+def kicks_of(length: FloatArray, rate_hz: float) -> list[Kick]:
+    r"""Return the kicks of a leg, given the distance from hip to foot, shape (t,), [trunk].
+
+    A kick is a maximum with a prominence of at least .25 trunk; it begins and ends at the minima next to it::
+
+        length     ___peak
+                  /       \
+        ____start/         \stop____
+    """
+    peaks, properties = find_peaks(length, prominence=KICK_TRUNK)
+    minima, rates = find_peaks(-length)[0], np.gradient(length) * rate_hz
+    kicks = []
+    for peak, amplitude in zip(peaks.tolist(), properties["prominences"].tolist(), strict=True):
+        after = int(np.searchsorted(minima, peak))
+        start = int(minima[after - 1]) if after else 0
+        stop = int(minima[after]) if after < len(minima) else len(length) - 1
+        extension, flexion = rates[start : peak + 1].max(), -rates[peak : stop + 1].min()
+        kicks.append(Kick(start, peak, stop, amplitude, float(extension), float(flexion)))
+    return kicks

@@ -15,7 +15,6 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 COLUMNS, PANEL_PX = 7, (390, 300)
 PHASE_PX = 420, 400
 MOST_PHASES = 12
-"""Infants with a phase plot each."""
 INFANT = Quantity("infant", "Infant", about="Which of the infants that were measured", steps=())
 HIP = Quantity("hip_deg", "Angle of the hip", "°", "between trunk and thigh; 180 if straight", steps=())
 KNEE = Quantity("knee_deg", "Angle of the knee", "°", "between thigh and shank; 180 if straight", steps=())
@@ -24,9 +23,7 @@ KNEE = Quantity("knee_deg", "Angle of the knee", "°", "between thigh and shank;
 def write_measures(measured: MovementMeasures, path: str | Path) -> None:
     """Draw the 21 measures, a plot each: a dot for every infant, and a band of the sample's mean +- 2 SD.
 
-    Raises:
-        OutputError: If the file cannot be written.
-        MissingExtraError: If matplotlib is not installed.
+    Raises an OutputError or MissingExtraError if the file cannot be written or matplotlib is missing.
     """
     caption = ""
     if measured.distance is not None and measured.sample:
@@ -52,10 +49,7 @@ def _measure(measured: MovementMeasures, quantity: Quantity) -> Plot:
 def write_phases(films: Sequence[Filmed], path: str | Path) -> None:
     """Draw the angle of the knee over that of the hip, a plot for each infant, a line for each leg.
 
-    Raises:
-        MovementError: If no infant's points are known in space.
-        OutputError: If the file cannot be written.
-        MissingExtraError: If matplotlib is not installed.
+    Raises a MovementError if no infant's points are known in space, and what `write_measures` does.
     """
     plots = []
     for film in films[:MOST_PHASES]:

@@ -24,7 +24,6 @@ from mimoc.movement.trunk_frame import LEAST_S, stand_ins, trunk_paths
 SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
 """Speeds that tell whether sides differ, and from which ratio on they do; a choice."""
 DIGITS = 6
-"""Significant digits of numbers in files."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,6 @@ class MovementMeasures:
     """The measures of some infants, and of the sample that they are compared with."""
 
     names: tuple[str, ...]
-    """What each infant is called."""
     infants: tuple[Mapping[str, float], ...]
     """Measures of each, by the name of the quantity."""
     sample: Sample | None = None
@@ -132,7 +130,15 @@ class MovementMeasures:
                 "mean": _short(mean),
                 **_spread_data(self.spreads[name]),
                 "infants": [_short(one[name]) if name in one else None for one in self.infants],
-                **self._of_sides(name),
+                **{
+                    side: {
+                        "mean": _short(means[name]),
+                        **_spread_data(self.side_spreads[side][name]),
+                        "infants": [_short(one.get(name)) for one in self.sides[side]],
+                    }
+                    for side, means in self.side_means.items()
+                    if name in means
+                },
                 **self._compared(name),
             }
             for name, mean in self.means.items()
@@ -155,17 +161,6 @@ class MovementMeasures:
                 "standard_error" if self.apart.exact else "sd_over_draws": _short(self.apart.deviation),
             }
         return data
-
-    def _of_sides(self, name: str) -> dict[str, Any]:
-        return {
-            side: {
-                "mean": _short(means[name]),
-                **_spread_data(self.side_spreads[side][name]),
-                "infants": [_short(one.get(name)) for one in self.sides[side]],
-            }
-            for side, means in self.side_means.items()
-            if name in means
-        }
 
     def _compared(self, name: str) -> dict[str, Any]:
         if self.sample is None or name not in self.sample.means:
@@ -196,15 +191,7 @@ def _spread_data(spread: Spread) -> dict[str, Any]:
 
 
 def measure_all(films: Sequence[Filmed], progress: Progress = no_progress) -> MovementMeasures:
-    """Return the measures of some infants.
-
-    Args:
-        films: The infants.
-        progress: Called with how many have been measured, and how many there are.
-
-    Raises:
-        MovementError: If one cannot be measured.
-    """
+    """Return the measures of some infants; MovementError if one cannot be measured."""
     measured = _measured(films, progress)
     if len(films) > 1:
         return measured
@@ -245,16 +232,10 @@ def compare(
     generator: np.random.Generator,
     progress: Progress = no_progress,
 ) -> MovementMeasures:
-    """Return the measures of some infants beside those of others, and whether the two are told apart.
+    """Return the measures of infants beside a sample's, and whether the two are told apart, or raise a MovementError.
 
-    Args:
-        films: The infants.
-        sample: The aggregates of a sample, those of `real_infants()`; or recordings, for the exact figure.
-        generator: Draws windows from the aggregates.
-        progress: As of `measure_all`.
-
-    Raises:
-        MovementError: If one cannot be measured.
+    The sample is `real_infants()`, or recordings, for the exact figure; the generator draws windows from the
+    aggregates.
     """
     measured, apart = measure_all(films, progress), None
     notes = measured.notes
@@ -279,7 +260,6 @@ def _told_apart(
 
 
 def _assumptions(recording: PointRecording) -> list[str]:
-    """Return what has to be known to read the measures of a recording."""
     less = "and moves less: its speeds come out lower"
     notes = [f"{present} stands in for {absent}, {less}" for absent, present in stand_ins(recording.names).items()]
     if recording.unit == "m":

@@ -17,30 +17,20 @@ OF_NO_SIDE = ("hands_", "feet_", "legs_", "hips_", "limbs_", "kicks_together_", 
 def measure_sides(recording: PointRecording, space: PointRecording | None = None) -> dict[str, dict[str, float]]:
     """Return the measures of each side alone, by `left` and `right` and by the name of their quantity.
 
-    Where a measure is the mean of both sides, or over both, it is that of one here.
-
-    Args:
-        recording: The points, as for `measure_movement`.
-        space: The same in space, if they are known.
-
-    Raises:
-        MovementError: If points are missing or never seen, or it is too slow or too short.
+    Where a measure is the mean of both sides, or over both, it is that of one here. Points are as for
+    `measure_movement`, which raises the same errors, *space* the same in space, if they are known.
     """
     body = trunk_paths(recording)
     return {side: _of_side(body, space or recording, side) for side in SIDES}
 
 
 def _of_side(body: TrunkPaths, space: PointRecording, side: str) -> dict[str, float]:
-    alone = _twice(body, side)
-    values = {**core_of(alone), **details_of(alone), **joint_measures(space, (side,))}
-    return {name: value for name, value in values.items() if not name.startswith(OF_NO_SIDE)}
-
-
-def _twice(body: TrunkPaths, side: str) -> TrunkPaths:
-    """Return a body with the points of one side in place of both, of which measures of both are those of one."""
+    # Points of one side in place of both: measures of both are then those of one.
     other = SIDES[1 - SIDES.index(side)]
 
     def of_one(points: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         return {name: points.get(name.replace(f"{other}_", f"{side}_"), path) for name, path in points.items()}
 
-    return replace(body, paths=of_one(body.paths), velocities=of_one(body.velocities), speeds=of_one(body.speeds))
+    alone = replace(body, paths=of_one(body.paths), velocities=of_one(body.velocities), speeds=of_one(body.speeds))
+    values = {**core_of(alone), **details_of(alone), **joint_measures(space, (side,))}
+    return {name: value for name, value in values.items() if not name.startswith(OF_NO_SIDE)}

@@ -36,18 +36,9 @@ def film_policy(
     seconds: float = SECONDS,
     progress: Progress = no_progress,
 ) -> Iterator[Filmed]:
-    """Film the infants of a spec, a bundle or a world under a policy, once for each seed, but for the first second.
+    """Film infants of a spec, a bundle or a world under a policy, for each seed, but for the first second.
 
-    Args:
-        infant: A bundle, the folder of one, or a spec; or a world of several infants.
-        policy: Name of a policy, or a function from an environment to one.
-        seeds: Seeds of the episode and of the policy, as of `mimoc run`.
-        seconds: Length of each film.
-        progress: Called with the number of control steps done and their total.
-
-    Raises:
-        UnknownNameError: If there is no such policy.
-        MovementError: If an episode ends before it has been filmed.
+    Raises an UnknownNameError for an unknown policy, and a MovementError if an episode ends before it is filmed.
     """
     source: Any = infant
     with closing(shared_world(source) if is_world_source(source) else open_infant(source)) as env:
@@ -70,14 +61,7 @@ def film_policy(
 def film_recording(folder: Path, progress: Progress = no_progress, name: str = "") -> Iterator[Filmed]:
     """Simulate the episodes of a recording again, and film each; the first second of each is left out.
 
-    Args:
-        folder: The recording.
-        progress: As of `film_policy`.
-        name: What to call it; by default as its folder.
-
-    Raises:
-        RecordingError: If it is no whole recording.
-        MovementError: If an episode does not come out again, or is too short.
+    Raises a RecordingError if it is not whole, a MovementError if an episode is too short or does not come out again.
     """
     film, recording, called = Film(), read_recording(folder), name or folder.name
     steps = [sum(episode.steps for episode in recording.of_infant(number)) for number in range(recording.infants)]

@@ -24,7 +24,6 @@ RECORDING, COHORT = "recording.json", "cohort.json"
 BUNDLE = "manifest.json"
 SPECS = ".yaml", ".yml"
 MOST = 1000
-"""Files in one folder."""
 
 
 @dataclass(frozen=True)
@@ -40,17 +39,10 @@ class SourceOptions:
 
 
 def films_in(path: Path, options: SourceOptions | None = None, progress: Progress = no_progress) -> list[Filmed]:
-    """Return the infants that a path stands for.
+    """Return the infants that a path stands for; MimocError if there is nothing that can be measured.
 
-    Args:
-        path: A recording of points; a recording of mimoc's, whose episodes are simulated again; a folder that
-            `mimoc retarget` wrote; a folder of such; a cohort's folder, with all recordings in it; or, with a policy,
-            a bundle or a spec.
-        options: What else is said of them.
-        progress: Called with the number of control steps done and their total, while something is simulated.
-
-    Raises:
-        MimocError: If there is nothing that can be measured.
+    It is a recording of points; one of mimoc's, whose episodes are simulated again; a folder that `mimoc retarget`
+    wrote; a folder of such; a cohort's folder; or, with a policy, a bundle or a spec.
     """
     options = options or SourceOptions()
     is_infant = _is_infant(path)
@@ -100,13 +92,11 @@ def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Fi
 
 
 def _is_recognised(path: Path) -> bool:
-    """Return whether something looks like a recording of points."""
     hidden = path.name.startswith(".")
     return not hidden and any(function_of(kind.recognise, "recognise")(path) for kind in FORMATS.values())
 
 
 def _first(paths: Iterator[Path], folder: Path) -> list[Path]:
-    """Return paths in their order, or raise a MovementError if there are too many."""
     chosen = sorted(islice(paths, MOST + 1))
     if len(chosen) > MOST:
         raise MovementError(f"{folder}: more than {MOST} files are in this folder; divide it")

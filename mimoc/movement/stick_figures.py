@@ -15,7 +15,6 @@ from mimoc.recording.video import Picture, open_video
 from mimoc.render.picture_files import tile_pictures
 
 FRAMES_HZ = 15
-"""Frames per second of animations."""
 TRUNKS, RAISED = 3.4, 0.2
 """Width and height of the view, and how far its middle is above the hips, in lengths of the trunk."""
 SHARP = 2
@@ -27,7 +26,6 @@ COLOURS = {"left": (51, 102, 154), "right": (200, 67, 31), "": (70, 70, 70)}
 TRAIL_COLOUR = (214, 214, 214)
 ENDS = "left_hand", "right_hand", "left_foot", "right_foot"
 MOST = 12
-"""Figures in one animation."""
 
 
 def animate(
@@ -154,7 +152,6 @@ def _colour(point: str) -> tuple[int, int, int]:
 
 
 def _stacked(rows: Sequence[Picture]) -> Picture:
-    """Return rows of pictures below each other, filled up with white at the right."""
     width = max(row.shape[1] for row in rows)
     return np.concatenate(
         [np.pad(row, ((0, 0), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows]

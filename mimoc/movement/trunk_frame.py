@@ -30,7 +30,6 @@ class TrunkPaths:
     """
 
     rate_hz: float
-    """Frames per second."""
     paths: Mapping[str, FloatArray]
     """Across and along, shape (t, 2) each, [trunk], by the name of the point."""
     velocities: Mapping[str, FloatArray]
@@ -60,7 +59,12 @@ def trunk_paths(recording: PointRecording) -> TrunkPaths:
     Raises:
         MovementError: If points are missing or never seen, or it is too slow or too short for measures of movement.
     """
-    _check(recording)
+    if recording.rate_hz < LEAST_RATE_HZ:
+        slow = f"{recording.rate_hz:g} frames/s are too few to measure movement"
+        raise MovementError(f"{recording.name}: {slow}; record at least {LEAST_RATE_HZ:g}")
+    if recording.frames < LEAST_S * recording.rate_hz:
+        short = f"{recording.frames} frames are too few to measure movement"
+        raise MovementError(f"{recording.name}: {short}; record at least {LEAST_S:g} s")
     smooth = _with_stand_ins(recording).smoothed()
     flat = np.array(smooth.positions[..., :2])
     hips = (flat[:, smooth.names.index("left_hip")] + flat[:, smooth.names.index("right_hip")]) / 2
@@ -106,12 +110,3 @@ def _with_stand_ins(recording: PointRecording) -> PointRecording:
     return PointRecording(
         recording.name, recording.rate_hz, tuple(names[index] for index in used), positions, confidence
     )
-
-
-def _check(recording: PointRecording) -> None:
-    if recording.rate_hz < LEAST_RATE_HZ:
-        slow = f"{recording.rate_hz:g} frames/s are too few to measure movement"
-        raise MovementError(f"{recording.name}: {slow}; record at least {LEAST_RATE_HZ:g}")
-    if recording.frames < LEAST_S * recording.rate_hz:
-        short = f"{recording.frames} frames are too few to measure movement"
-        raise MovementError(f"{recording.name}: {short}; record at least {LEAST_S:g} s")

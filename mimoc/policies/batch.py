@@ -56,11 +56,7 @@ def batch_of_one(env: Infant) -> Batch:
 
 
 def batch_of(envs: Any) -> Batch:
-    """Return the infants of a vector environment of `mimoc.make_vec`.
-
-    Raises:
-        PolicyError: If it is none, or its arrays are Warp's.
-    """
+    """Return the infants of a vector environment; PolicyError if it is none of mimoc's or its arrays are Warp's."""
     if not (hasattr(envs, "infants") and hasattr(envs, "num_envs")):
         raise PolicyError(f"expected a vector environment of mimoc.make_vec, got {described(envs)}")
     if not hasattr(envs, "worlds"):

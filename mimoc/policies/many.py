@@ -8,9 +8,8 @@ import numpy as np
 from mimoc.base.errors import PolicyError
 from mimoc.base.kinds import function_of
 from mimoc.policies.batch import Batch, batch_of
-from mimoc.policies.named import Loader, Policies, policies_of, policy_of, summed
+from mimoc.policies.named import Loader, Policies, limits_of, policies_of, policy_of, summed, with_silence
 from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
-from mimoc.policies.silent import limits_of, with_silence
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infants import infants_of
@@ -78,7 +77,6 @@ class Single:
     """The policy of the only infant of an environment."""
 
     def __init__(self, policy: Policy):
-        """Take it."""
         self._policy = policy
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
@@ -94,7 +92,6 @@ class ByName:
     """Policies of the infants of a world, by name."""
 
     def __init__(self, policies: Mapping[str, Policy]):
-        """Take the policy of each infant."""
         self._policies = policies
 
     def __call__(
@@ -113,7 +110,6 @@ class SumOfMany:
     """Several policies of many infants at once, or one; see `mimoc.policies.named.Sum`."""
 
     def __init__(self, batch: Batch, policies: Sequence[BatchPolicy]):
-        """Add policies of the same infants."""
         self._batch, self._policies = batch, tuple(policies)
         self._ages, self._limits = list[float](), ()
         self._has_voice = batch.infants[0].manifest.actuation.voice is not None
@@ -128,11 +124,9 @@ class SumOfMany:
             return actions[0]
         ages = [infant.age_months for infant in self._batch.infants]
         if ages != self._ages:
-            self._ages, self._limits = ages, tuple(map(self._batch.put, self._joined_limits()))
+            limits = (np.stack(ends) for ends in zip(*map(limits_of, self._batch.infants), strict=True))
+            self._ages, self._limits = ages, tuple(map(self._batch.put, limits))
         return self._batch.actions(summed(self._batch.xp, actions, *self._limits))
-
-    def _joined_limits(self) -> list[np.ndarray]:
-        return [np.stack(ends) for ends in zip(*map(limits_of, self._batch.infants), strict=True)]
 
     def reset(self, rows: Any) -> None:
         """Let the infants of some rows, a boolean array of shape (k,), begin an episode."""
@@ -144,7 +138,6 @@ class OneByOne:
     """Policies of single infants, which act one after the other."""
 
     def __init__(self, policies: Sequence[Policy]):
-        """Take the policy of each infant."""
         self._policies = tuple(policies)
 
     def __call__(self, generators: Sequence[np.random.Generator], observations: Any) -> np.ndarray:
@@ -165,7 +158,6 @@ class OneByOne:
 
 
 def _bound(batch: Batch, part: PolicyPart, load: Loader | None) -> BatchPolicy:
-    """Return one policy of all infants."""
     if part.kind is None or part.kind.many is None:
         return _one_by_one(batch, lambda env: policy_of(env, part.text, load), f"'{part.text}'")
     bind = function_of(part.kind.many, "bind_many")

@@ -1,6 +1,7 @@
 """A policy that follows a motion, such as that of a filmed infant, by the infant's actuators within its strength."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -9,14 +10,104 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, check_name
-from mimoc.base.units import ms_to_s
+from mimoc.base.units import GRAVITY_M_S2, ms_to_s
+from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.physics_state import physics_of, set_physics
 from mimoc.motion.joint_motion import JointMotion, States, read_motion
 from mimoc.policies.control.tracking import Body, Demand, Tracker, Wanted
-from mimoc.policies.motion_report import Followed
 from mimoc.policies.starting import begin_here
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A motion that was followed over t control steps by an infant with n joints that actuators move."""
+
+    body: Body
+    manifest: Manifest
+    errors_rad: FloatArray
+    """Of joint angles, shape (t, n)."""
+    root_errors: FloatArray
+    """Of the root's place [m] and orientation [rad], shape (t, 6); (t, 0) if it is held."""
+    applied: FloatArray
+    """Force [N] and torque [N m] that were applied at the root, shape (t, 6)."""
+    demand: Demand
+    headings = "joint", "error [°]", "torque needed / available", "95th percentile", "above 1", "known"
+    """Of the columns of `rows`."""
+
+    def metrics(self) -> dict[str, float]:
+        """Return the numbers of a run, by name with unit; those of which there is nothing are left out."""
+        if not len(self.errors_rad):
+            return {}
+        shares = np.array(self.demand.shares)
+        metrics = dict(_of_joints("", self.errors_rad, shares))
+        for group, members in self._groups():
+            if members.any():
+                metrics |= _of_joints(f"{group}_", self.errors_rad[:, members], shares[:, members])
+        if self.root_errors.shape[1]:
+            metrics |= self._of_root()
+        return metrics
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Return a row for each joint.
+
+        It has the joint's name, its error, the torque that it needs over what it has, median and 95th percentile, the
+        share of the time that this is above 1, and the share of the time that it is known.
+        """
+        rows, shares = list[tuple[str, ...]](), np.array(self.demand.shares)
+        for joint, name in enumerate(self.body.joints.names):
+            known = shares[:, joint][np.isfinite(shares[:, joint])]
+            needed = [f"{value:.2f}" for value in np.percentile(known, (50, 95))] if known.size else ["-", "-"]
+            above = f"{100 * (known > 1).mean():.0f} %" if known.size else "-"
+            error = f"{_rms_deg(self.errors_rad[:, joint]):.1f}"
+            rows.append((name, error, *needed, above, f"{100 * known.size / len(shares):.0f} %"))
+        return rows
+
+    def _groups(self) -> Iterator[tuple[str, npt.NDArray[np.bool_]]]:
+        """Yield which joints are reported together: those of both arms, of both legs, and each group of the midline."""
+        yield from self.body.of_limbs.items()
+        is_limbs = np.any([*self.body.of_limbs.values()], axis=0)
+        for group, joints in self.manifest.anatomy.groups.items():
+            own = [*map(self.manifest.of_infant, joints)]
+            members = np.array([name in own for name in self.body.joints.names], bool)
+            if not (members & is_limbs).any():
+                yield group, members
+
+    def _of_root(self) -> dict[str, float]:
+        """Return the drift of the trunk, the wrench that it needs, and that which it got."""
+        model = self.body.model
+        weight_n = GRAVITY_M_S2 * float(model.body_subtreemass[self.body.root])
+        away_m, turned_rad = (np.linalg.norm(self.root_errors[:, part], axis=1) for part in (PLACE, TURN))
+        metrics = {"drift_m": float(away_m.max()), "drift_end_m": float(away_m[-1])}
+        metrics["turned_deg"] = float(np.degrees(turned_rad.max()))
+        for name, wrenches in (("wrench", np.array(self.demand.wrenches)), ("assisted", self.applied)):
+            if not wrenches.any():
+                continue
+            force_n, torque_nm = (np.linalg.norm(wrenches[:, part], axis=1) for part in (PLACE, TURN))
+            for size, value in (("median", 50), ("p95", 95)):
+                metrics[f"{name}_force_{size}_n"] = round(float(np.percentile(force_n, value)), 9)
+                metrics[f"{name}_force_{size}_weights"] = round(float(np.percentile(force_n, value)) / weight_n, 9)
+                metrics[f"{name}_torque_{size}_nm"] = round(float(np.percentile(torque_nm, value)), 9)
+        return metrics
+
+
+PLACE, TURN = slice(0, 3), slice(3, 6)
+"""Linear and angular part of a velocity or wrench of the root."""
+
+
+def _of_joints(prefix: str, errors_rad: FloatArray, shares: FloatArray) -> Iterator[tuple[str, float]]:
+    yield f"{prefix}error_deg", _rms_deg(errors_rad)
+    known = shares[np.isfinite(shares)]
+    if known.size:
+        yield f"{prefix}torque_needed_median", float(np.median(known))
+        yield f"{prefix}torque_needed_p95", float(np.percentile(known, 95))
+        yield f"{prefix}torque_above_share", float((known > 1.0).mean())
+
+
+def _rms_deg(errors_rad: FloatArray) -> float:
+    return float(np.degrees(np.sqrt(np.mean(errors_rad**2))))
+
 
 Root = Literal["free", "assisted"]
 """Whether the trunk moves as the ground and the limbs let it, or a wrench at the root makes it follow, too."""
@@ -29,17 +120,10 @@ class MotionPolicy:
     """
 
     def __init__(self, env: Infant, motion: JointMotion, root: Root = "free"):
-        """Bind it to an infant.
+        """Bind a motion to an infant with motors or muscles and all its joints; *root* may be `assisted` by a wrench.
 
-        Args:
-            env: The infant, with motors or muscles, and all joints of the motion.
-            motion: The motion.
-            root: `free`, or `assisted` by a wrench at the root, which is reported.
-
-        Raises:
-            MimocError: If the infant lacks a joint of the motion, or it is shorter than a control step.
-            ControlError: If the infant has servos.
-            UnknownNameError: If there is no such way for the root to move.
+        Raises a ControlError for servos, and a MimocError if a joint is missing, or the motion is shorter than a
+        control step.
         """
         check_name("way for the root to move", root, get_args(Root))
         self._env, self._motion, self._root = env, motion, root
@@ -62,7 +146,9 @@ class MotionPolicy:
         coming = self._at(self._coming, env.steps)
         action = self._tracker(coming)
         if self._root == "assisted":
-            self._assist(self._tracker.assistance(coming))
+            model, data = self._model, self._env.data
+            data.qfrc_applied[self._body.root_speeds] = self._tracker.assistance(coming)
+            set_physics(model, data, physics_of(model, data))
         if env.steps < self.whole_steps:
             now = self._at(self._present, env.steps)
             self._demand.add(now)
@@ -107,7 +193,6 @@ class MotionPolicy:
         return coming
 
     def _at(self, states: States, step: int) -> Wanted:
-        """Return the motion at a control step, the rest of the world where it was at the beginning."""
         model, (angles, speeds) = self._model, self._places
         at = min(step, len(states.qpos) - 1)
         qpos, qvel, qacc = self._rest.copy(), np.zeros(model.nv), np.zeros(model.nv)
@@ -137,14 +222,7 @@ class MotionPolicy:
             lift[2] = max(float(depths_m.max()), 0.0)
         return lift
 
-    def _assist(self, wrench: FloatArray) -> None:
-        """Apply the wrench at the root for the control step to come; recordings keep it as a change of the physics."""
-        model, data = self._model, self._env.data
-        data.qfrc_applied[self._body.root_speeds] = wrench
-        set_physics(model, data, physics_of(model, data))
-
     def _log(self, wanted: Wanted) -> None:
-        """Keep how far the infant is from the motion and what was applied at its root."""
         errors, (joint_errors, root_errors, applied) = np.zeros(self._model.nv), self._logged
         mujoco.mj_differentiatePos(self._model, errors, 1.0, wanted.qpos, self._env.data.qpos)
         joint_errors.append(errors[self._body.joints.speeds])

@@ -18,10 +18,10 @@ from mimoc.policies.policy import (
     numbered,
     start_again,
 )
-from mimoc.policies.silent import Silent, limits_of
 from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.sense import Observation
+from mimoc.runtime.sense import FloatArray, Observation
+from mimoc.runtime.voice import HIGH, LOW
 
 Loader = Callable[[str], PolicyMaker]
 """Loads the trained policy in a file, as `mimoc.load_policy` does."""
@@ -95,7 +95,6 @@ class Sum:
     """
 
     def __init__(self, env: Infant, policies: Sequence[Policy], labels: Sequence[str]):
-        """Add policies of one infant, each with what it is called where metrics have the same name."""
         self._env, self._policies, self._labels = env, tuple(policies), numbered(labels)
         self.steps_per_episode = min(map(episode_limit_of, policies))
 
@@ -129,7 +128,6 @@ def summed(xp, actions, low, high):
 
 
 def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
-    """Return one policy for an environment."""
     if part.kind is None:
         if load is None:
             raise PolicyError(f"'{part.argument}': pass what mimoc.load_policy returns of it")
@@ -138,7 +136,38 @@ def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
 
 
 def _binding(part: PolicyPart) -> Callable[[Any], Any]:
-    """Return the function that binds a policy to an environment, or a behaviour to its subject."""
     assert part.kind
     bind = function_of(part.kind.run, "bind")
     return bind if part.argument is None else lambda bound_to: bind(bound_to, part.argument)
+
+
+class Silent:
+    """A policy whose last two commands, those of the voice, are 0 if it has none for them."""
+
+    def __init__(self, policy: Policy, joints: int):
+        """Take a policy, with all that it has besides; *joints* is the number of commands that are not the voice's."""
+        self._policy, self._joints = policy, joints
+
+    def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
+        """Return the action, shape (n + 2,)."""
+        return with_silence(self._policy(generator, observation), self._joints)
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_policy":
+            raise AttributeError(name)
+        return getattr(self._policy, name)
+
+
+def with_silence(actions: Any, joints: int) -> Any:
+    """Return actions, shape (..., n), with a silent voice behind them, unless they have commands for it."""
+    if actions.shape[-1] != joints:
+        return actions
+    return np.concatenate([actions, np.zeros((*actions.shape[:-1], len(LOW)), actions.dtype)], axis=-1)
+
+
+def limits_of(env: Infant) -> tuple[FloatArray, FloatArray]:
+    """Return the smallest and the largest commands of an infant, those of its voice included."""
+    low, high = env.actuation.low, env.actuation.high
+    if env.manifest.actuation.voice is None:
+        return low, high
+    return np.concatenate([low, LOW]), np.concatenate([high, HIGH])

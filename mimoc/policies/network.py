@@ -14,10 +14,17 @@ import numpy.typing as npt
 
 from mimoc.base.errors import PolicyError
 from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays
-from mimoc.policies.archive import DAMAGED
-from mimoc.policies.interface import check_fits, interface_of
 from mimoc.policies.policy import Policy, PolicyMaker
-from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_NETWORK, WEIGHTS, PolicyFile
+from mimoc.policies.policy_file import (
+    ABOUT,
+    DAMAGED,
+    NOT_A_POLICY,
+    OF_NETWORK,
+    WEIGHTS,
+    PolicyFile,
+    check_fits,
+    interface_of,
+)
 from mimoc.runtime.infant import Infant
 
 FloatArray = npt.NDArray[np.float32]
@@ -94,12 +101,9 @@ class NetworkPolicy:
         """Control steps after which an episode of its training was truncated; None if that is not known."""
 
     def __call__(self, generator: Any, observation: Mapping[str, npt.NDArray[Any]]) -> FloatArray:
-        """Return the action for an observation, shape (n,), or those for k of them, shape (k, n).
+        """Return the action for an observation, shape (n,), or for k of them, which have a leading axis, (k, n).
 
-        The arrays of k observations have a leading axis of k; *generator* is not used.
-
-        Raises:
-            PolicyError: If an action is not finite.
+        Raises a PolicyError if an action is not finite; *generator* is not used.
         """
         parts = []
         for name, shape in self._shapes.items():
@@ -116,10 +120,8 @@ class NetworkPolicy:
 def pack_network(network: Network, about: Mapping[str, Any]) -> bytes:
     """Return the content of a policy file: the same bytes for the same network and description, on every system.
 
-    Args:
-        network: What computes the action, from observations side by side in the order of their sorted names.
-        about: The name of the `infant`, what it `observes` and `commands` (`interface_of`), and the `settings` of its
-            training, of which `steps_per_episode` is read.
+    *about* is the name of the `infant`, what it `observes` and `commands` (`interface_of`), and the `settings` of its
+    training, of which `steps_per_episode` is read.
     """
     content = io.BytesIO()
     description = json.dumps({**about, "policy": OF_NETWORK}, indent=1, sort_keys=True)

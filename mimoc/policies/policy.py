@@ -25,7 +25,6 @@ BatchPolicy = Callable[[Sequence[np.random.Generator], Any], Any]
 It can have a method `reset(rows)`, a boolean array of shape (k,): the episodes of these infants begin anew.
 """
 PolicyMaker = Callable[[Infant], Policy]
-"""Returns the policy for an environment."""
 
 
 def metrics_of(policy: Policy) -> Mapping[str, float]:

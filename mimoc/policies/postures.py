@@ -150,7 +150,6 @@ class PosturePolicy:
         return self._targets[before] + share * (self._targets[now] - self._targets[before])
 
     def _felt(self, balance: Any) -> FloatArray:
-        """Return what is felt of each of `SWAYS`, shape (4,)."""
         acceleration, turning = balance[:3] / GRAVITY_M_S2, balance[3:]
         return np.array([acceleration[0], acceleration[1], turning[1], turning[0]], float)
 
@@ -177,11 +176,7 @@ def _commands(env: Infant, joints: tuple[str, ...]) -> tuple[FloatArray, bool]:
 
 
 def read_postures(path: Path) -> Postures:
-    """Return the movement in a file.
-
-    Raises:
-        PolicyError: If there is none.
-    """
+    """Return the movement in a file; raise a PolicyError if there is none."""
     try:
         movement = read_json_file(path, Postures)
     except UnusableFileError as error:

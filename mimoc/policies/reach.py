@@ -26,15 +26,10 @@ class ReachPolicy:
     """
 
     def __init__(self, env: Infant, gains: ReachGains | None = None, next_targets_s: float = NEXT_TARGETS_S):
-        """Bind it to an infant.
+        """Bind it to an infant; ControlError if it has servos, or no hand that takes commands.
 
-        Args:
-            env: The infant, with motors or muscles.
-            gains: For hands and eyes; None is gentle for an infant that sits freely, and strong for all others.
-            next_targets_s: Time after which other targets are drawn.
-
-        Raises:
-            ControlError: If the infant has servos, or no hand that takes commands.
+        Without *gains*, these are gentle for an infant that sits freely, and strong for all others; other targets are
+        drawn after a time.
         """
         self._env, self._gains = env, gains
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
@@ -124,16 +119,8 @@ def reach_errors(
 ) -> ReachErrors:
     """Let an infant reach from its starting pose for random targets, and return the errors over time.
 
-    Args:
-        env: The infant, with motors or muscles; it is reset for each trial.
-        gains: For hands and eyes, such as one of `mimoc.policies.control.GAIN_SETS`.
-        generator: Source of the targets.
-        trials: Number of trials, each with a target for each hand; the eyes look at that of the first.
-        seconds: Simulated time of a trial.
-        progress: Called with the number of trials done, and of all.
-
-    Raises:
-        ControlError: If the infant has servos, or no hand that takes commands.
+    It is reset for each trial, which has a target for each hand; the eyes look at that of the first. Raises a
+    ControlError if it has servos, or no hand that takes commands.
     """
     step_s = ms_to_s(env.manifest.step_ms)
     steps = round(seconds / step_s)

@@ -43,11 +43,7 @@ def bind(env: Infant, text: str) -> Policy:
 
 
 def file_of(text: str, age_months: float) -> Path:
-    """Return the file that a text names, or the shipped one of a skill for the nearest age.
-
-    Raises:
-        PolicyError: If there is none.
-    """
+    """Return the file that a text names, or the shipped one of a skill for the nearest age, or raise a PolicyError."""
     if text.endswith(KINDS):
         return Path(text)
     ages = {age: path for (skill, age), path in shipped().items() if skill == text}

@@ -14,7 +14,6 @@ NAMED = re.compile("[a-z][a-z0-9_]*(:.*)?", re.DOTALL)
 CALLED = re.compile(r"([a-z][a-z0-9_]*)\((.*)\)", re.DOTALL)
 """A name with its argument in parentheses, which means the same as after a colon."""
 APART = re.compile(r"\+(?![^(]*\))")
-"""A plus outside of parentheses."""
 FOR_INFANT = re.compile(r"(?:^|,)\s*([a-z][a-z0-9_]*)\s*=(?![^(]*\))")
 """The name of an infant and an equals sign, outside of parentheses, at the beginning or after a comma."""
 
@@ -28,7 +27,6 @@ class PolicyPart:
     argument: str | None
     """What stands after the colon or in the parentheses, None if there are none; the path of a trained policy."""
     text: str
-    """The part as it was written."""
 
     @property
     def label(self) -> str:

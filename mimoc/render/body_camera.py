@@ -10,7 +10,7 @@ import numpy.typing as npt
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.world import WorldManifest
-from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors, leave_out_walls
+from mimoc.render.backdrop import BACKGROUND, backdrop_colours, fade, is_outdoors, lean_textures, leave_out_walls
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -28,7 +28,6 @@ from mimoc.render.framing import drawn_spheres
 from mimoc.render.markers import Markers, add_markers
 from mimoc.render.renderer import Picture, Renderer, Setting, Shown, visual_settings
 from mimoc.render.soft_light import DAYLIGHT, MOVING, SHADOWS_FROM, SHADOWS_WITHIN, Exposure, Mean, passes
-from mimoc.render.textures import lean_textures
 
 CROWD_M, CROWD_PX = 1.0, 1024
 """Radius within which other things cast shadows, too, and the side of the map of shadows then, or of those of a lamp in
@@ -76,25 +75,12 @@ class BodyCamera:
         beside: Sequence[str] = (),
         as_it_is: bool = False,
     ):
-        """Open an OpenGL context for pictures of this size.
+        """Open an OpenGL context for pictures of this size, or raise a RenderingError.
 
-        Args:
-            model: The model.
-            root_bodies: Names of the bodies.
-            width_px: Of a picture.
-            height_px: Of a picture.
-            view: The direction it looks in.
-            fovy_deg: Vertical field of view, where there is space for it.
-            exposure: How many drawings a picture is the mean of.
-            margin: How much wider the field of view is than what it has to show.
-            shown: What is drawn of infants.
-            cut_out: Whether pictures show nothing else, on a transparent background; changes the model.
-            beside: Names of other outermost bodies, that are to be in the picture as well.
-            as_it_is: Whether nothing gets another material later, as a face does with another expression; to open
-                takes a third of the time then.
-
-        Raises:
-            RenderingError: If there is no OpenGL here, or none that draws such large pictures.
+        A picture is the mean of *exposure* drawings; the field of view is wider than what it shows by *margin*.
+        *cut_out* shows nothing else, on a transparent background, and changes the model. *beside* are other outermost
+        bodies in the picture. *as_it_is* says that nothing gets another material later, as a face does with another
+        expression: to open takes a third of the time then.
         """
         self._model, self.view, self._fovy_deg, self._margin = model, view, fovy_deg, margin
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
@@ -113,11 +99,7 @@ class BodyCamera:
         self._renderer = Renderer(model, width_px, height_px, partial(_settings, shown, as_it_is, shadows_px), shown)
 
     def use_model(self, model: mujoco.MjModel) -> None:
-        """Draw another model of the same parts from now on.
-
-        Raises:
-            RenderingError: If OpenGL has no room for it.
-        """
+        """Draw another model of the same parts from now on; raise a RenderingError if OpenGL has no room for it."""
         self._model = model
         self._renderer.change_model(model)
 
@@ -150,7 +132,6 @@ class BodyCamera:
             return self._draw(data, markers, shot or self.shot(data))[::-1]
 
     def _draw(self, data: mujoco.MjData, markers: Markers | None, shot: Shot) -> Picture:
-        """Return the mean of all passes of a picture, the lowest row first."""
         renderer, exposure = self._renderer, self._exposure
         if markers is not None:
             renderer.reserve(len(markers.radii_m))
@@ -172,7 +153,6 @@ class BodyCamera:
         self._renderer.close()
 
     def _compose(self, data: mujoco.MjData, shot: Shot) -> None:
-        """Fill the scene with what a shot shows."""
         camera = mujoco.MjvCamera()
         camera.lookat[:], camera.distance = shot.lookat_m, shot.depth_m
         camera.azimuth, camera.elevation = shot.view
@@ -190,7 +170,6 @@ class BodyCamera:
 
 
 def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjModel) -> list[Setting]:
-    """Return what OpenGL is opened with for a model."""
     outdoors, quality = is_outdoors(model), model.vis.quality
     shadows_px = min(quality.shadowsize, shadows_px)
     settings: list[Setting] = [(quality, "offsamples", 0), (quality, "shadowsize", shadows_px)]
@@ -199,17 +178,15 @@ def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjMod
         colours = backdrop_colours(model)
         settings += [(model, "tex_data", colours), (model.vis.rgba, "fog", (*BACKGROUND, 1.0))]
     if as_it_is:
-        settings += lean_textures(model, colours, _used_textures(model, shown, outdoors))
+        # Of a plain sky, a pixel is enough.
+        materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
+        used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
+        settings += lean_textures(
+            model, colours, used | ((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX) & (not outdoors))
+        )
     return settings
 
 
 def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
     """Return which geoms are drawn, shape (ngeom,)."""
     return (model.geom_group < DRAWN_GROUPS) | ((model.geom_group == SOLIDS_GROUP) & (shown == "solids"))
-
-
-def _used_textures(model: mujoco.MjModel, shown: Shown, outdoors: bool) -> npt.NDArray[np.bool_]:
-    """Return which textures are on something that is drawn, shape (ntex,); of a plain sky, a pixel is enough."""
-    materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
-    used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
-    return used | ((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX) & (not outdoors))

@@ -74,7 +74,6 @@ class Shot:
     """Distance along its axis to the middle of what it shows."""
     view: View
     fovy_deg: float
-    """Vertical field of view."""
 
     @property
     def lookat_m(self) -> FloatArray:

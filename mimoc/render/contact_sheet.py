@@ -11,17 +11,12 @@ from mimoc.render.portrait import Framing, portraits
 from mimoc.render.renderer import Picture, Shown
 
 ALL = "all"
-"""What stands for all poses."""
 LARGEST = 400
 """How many pictures a sheet may have."""
 
 
 def read_poses(text: str, manifest: Manifest) -> list[str]:
-    """Return the poses that a list such as `supine,crawling` names, or all that an infant can be drawn in for `all`.
-
-    Raises:
-        UnknownNameError: If there is no such pose.
-    """
+    """Return the poses that a list such as `supine,crawling`, or `all`, names, or raise an UnknownNameError."""
     if text.strip() == ALL:
         return list(poses_in_pictures(manifest))
     names = [name.strip() for name in text.split(",")]
@@ -55,19 +50,8 @@ def contact_sheet(
 ) -> Picture:
     """Return a picture of infants in poses, shape (height, width, 3): a row for each age, a column for each pose.
 
-    In one pose, all ages are in one row.
-
-    Args:
-        infants: One for each age, which may be built as they are drawn.
-        poses: Start poses and poses for pictures.
-        size_px: Width and height of each picture.
-        shown: Whether they are drawn with their skins, or their solids.
-        framing: The camera; by default, what suits each pose.
-        progress: Called with the number of pictures that are done.
-
-    Raises:
-        UnknownNameError: If an infant has no such pose.
-        RenderingError: If there is no OpenGL here.
+    In one pose, all ages are in one row. Infants may be built as they are drawn; poses are start poses or for pictures.
+    Raises an UnknownNameError for an unknown pose, a RenderingError without OpenGL.
     """
     rows: list[list[Picture]] = []
     labels: list[str] = []

@@ -27,12 +27,7 @@ def available_modes() -> list[str]:
 
 
 def check_rendering(mode: object, width_px: object, height_px: object) -> None:
-    """Check how an environment is to show itself.
-
-    Raises:
-        UnknownNameError: If there is no such render mode.
-        ValueError: If pictures cannot have this size.
-    """
+    """Raise an UnknownNameError for a render mode, or a ValueError for a size that pictures cannot have."""
     if mode is not None:
         check_name("render mode", mode, MODES)
     for size_px in (width_px, height_px):
@@ -85,11 +80,7 @@ class EnvRenderer:
             self._window.show()
 
     def render(self) -> Picture | None:
-        """Return a picture of the state, shape (height, width, 3), in the mode `rgb_array`; else None.
-
-        Raises:
-            RenderingError: If there is no OpenGL here.
-        """
+        """Return a picture of the state, (height, width, 3), in `rgb_array`, else None, or raise a RenderingError."""
         if self._mode != "rgb_array":
             return None
         if self._camera is None:

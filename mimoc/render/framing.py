@@ -9,7 +9,6 @@ import numpy.typing as npt
 from mimoc.base.geometry.rotations import FloatArray
 from mimoc.bundle.model import in_subtrees
 from mimoc.render.camera import FROM_THE_SIDE, Spheres, View, view_of_body
-from mimoc.render.extents import tight_spheres
 from mimoc.render.renderer import Shown
 
 FILLED = 0.78
@@ -59,7 +58,6 @@ def view_of_head(data: mujoco.MjData, head: str) -> View:
 
 
 def _axis(data: mujoco.MjData, body: str, axis: int) -> FloatArray:
-    """Return an axis of a body in the world, shape (3,)."""
     return data.body(body).xmat.reshape(3, 3)[:, axis]
 
 
@@ -75,16 +73,7 @@ def drawn_spheres(
     drawn: npt.NDArray[np.bool_],
     shown: Shown,
 ) -> Spheres:
-    """Return what is drawn of some bodies, and of those that hang on them, as spheres, some of no size.
-
-    Args:
-        model: The model.
-        data: Its state.
-        scene: What is drawn, filled, which has the vertices of skins.
-        bodies: Names of the bodies.
-        drawn: Which geoms are drawn, shape (ngeom,).
-        shown: What is drawn of infants.
-    """
+    """Return what is drawn of some bodies, and of those that hang on them, as spheres, some of no size."""
     held = in_subtrees(model, [model.body(body).id for body in bodies])
     vertices_m = np.reshape(scene.skinvert, (-1, 3))
     skins = [
@@ -99,6 +88,56 @@ def drawn_spheres(
 
 
 def _bones(model: mujoco.MjModel, skin: int) -> npt.NDArray[np.int32]:
-    """Return the bodies that move a skin."""
     start, count = model.skin_boneadr[skin], model.skin_bonenum[skin]
     return model.skin_bonebodyid[start : start + count]
+
+
+CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+ENDS = np.array([(0, 0, -1), (0, 0, 1)], float)
+SPHERE, CAPSULE = mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE
+ELLIPSOID, CYLINDER = mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYLINDER
+
+
+def tight_spheres(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray[np.bool_]) -> Spheres:
+    """Return spheres that some geoms, shape (ngeom,), lie between.
+
+    They are a sphere itself, the ends of a capsule, and the corners of the box around anything else.
+    """
+    parts = [_of_geom(model, data, number) for number in np.flatnonzero(geoms).tolist()]
+    if not parts:
+        return Spheres(np.empty((0, 3)), np.empty(0))
+    return Spheres(np.concatenate([part.centres_m for part in parts]), np.concatenate([part.radii_m for part in parts]))
+
+
+def _of_geom(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> Spheres:
+    kind, size_m = model.geom_type[number], model.geom_size[number]
+    if kind == SPHERE:
+        local_m, radius_m = np.zeros((1, 3)), size_m[0]
+    elif kind == CAPSULE:
+        local_m, radius_m = ENDS * size_m[1], size_m[0]
+    else:
+        local_m, radius_m = model.geom_aabb[number, :3] + CORNERS * model.geom_aabb[number, 3:], 0.0
+    centres_m = data.geom_xpos[number] + local_m @ data.geom_xmat[number].reshape(3, 3).T
+    return Spheres(centres_m, np.full(len(centres_m), radius_m))
+
+
+def lowest_m(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray[np.bool_]) -> float:
+    """Return the height of the lowest point of some geoms, shape (ngeom,)."""
+    return min(
+        float(data.geom_xpos[number, 2]) - _drop_m(model, data, number) for number in np.flatnonzero(geoms).tolist()
+    )
+
+
+def _drop_m(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> float:
+    """Return how far a geom reaches below its origin: the support function of its kind for straight down."""
+    down = data.geom_xmat[number].reshape(3, 3)[2]  # Of its axes; the sign does not matter, but for meshes.
+    kind, (first, second, _) = model.geom_type[number], model.geom_size[number]
+    if kind == SPHERE:
+        return float(first)
+    if kind == CAPSULE:
+        return float(first + second * abs(down[2]))
+    if kind == ELLIPSOID:
+        return float(np.linalg.norm(model.geom_size[number] * down))
+    if kind == CYLINDER:
+        return float(first * np.hypot(down[0], down[1]) + second * abs(down[2]))
+    return float((np.abs(down) * model.geom_aabb[number, 3:]).sum() - down @ model.geom_aabb[number, :3])

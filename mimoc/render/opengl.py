@@ -142,7 +142,6 @@ def _open(backend: str, width: int, height: int) -> Any:
 
 
 def _backends() -> Iterator[str]:
-    """Yield the modules of `mujoco` to try, the likeliest first."""
     wished = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wished in {"egl", "osmesa", "glfw", "cgl"}:
         yield wished
@@ -164,11 +163,7 @@ def set_fog(start_m: float, end_m: float) -> None:
 
 
 def opengl_driver() -> str:
-    """Return what pictures are drawn with here: `egl, llvmpipe (LLVM 15.0.6, 256 bits)`, say.
-
-    Raises:
-        RenderingError: If OpenGL does not start.
-    """
+    """Return what draws here, `egl, llvmpipe (LLVM 15.0.6, 256 bits)`, say, or raise a RenderingError."""
     context = open_context(8, 8)
     try:
         with current(context):

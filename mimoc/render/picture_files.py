@@ -31,11 +31,7 @@ OPAQUE = {".jpg", ".jpeg", ".bmp"}
 
 
 def check_picture_name(path: str | Path, *, transparent: bool = False) -> None:
-    """Pass the name of a file that a picture can be written to, before anything is drawn.
-
-    Raises:
-        OutputError: If it ends in no format that is known, or in one that cannot be transparent.
-    """
+    """Pass the name of a file that a picture can be written to, transparent or not, or raise an OutputError."""
     suffix = Path(path).suffix.lower()
     if transparent and suffix in OPAQUE:
         fitting = ", ".join(ending for ending in FORMATS if ending not in OPAQUE)
@@ -73,13 +69,7 @@ FONT_PX = 11, 24
 def tile_pictures(
     pictures: Sequence[Sequence[Picture]], columns: Sequence[str] = (), rows: Sequence[str] = ()
 ) -> Picture:
-    """Return pictures in rows and columns as one picture, shape (height, width, 3).
-
-    Args:
-        pictures: In rows, all of one size; a row may be shorter than others.
-        columns: Caption above each column.
-        rows: Caption to the left of each row, running upwards.
-    """
+    """Return pictures of one size in rows with captions as one picture, shape (height, width, 3)."""
     height, width, _ = pictures[0][0].shape
     font_px = int(np.clip(FONT_HEIGHT * height, *FONT_PX))
     left, top = (GAP_PX + bool(labels) * 2 * font_px for labels in (rows, columns))

@@ -14,7 +14,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin, bounded, in_subtrees, load_model, pose_of
 from mimoc.bundle.world import WorldBundle, load_world_model, take_pose
-from mimoc.render.extents import lowest_m
+from mimoc.render.framing import lowest_m
 
 SIDES = ("right", "left")
 LEFT = (0.0, 1.0, 0.0)

@@ -63,18 +63,8 @@ def portrait(
 ) -> Picture:
     """Return a picture of an infant in a pose, shape (height, width, 3), or (height, width, 4) if transparent.
 
-    Args:
-        bundle: The infant.
-        pose: A keyframe; else the bundle's own.
-        width: In pixels.
-        height: In pixels.
-        markers: What is drawn on top of it, such as the points of its skin.
-        shown: Whether it is drawn with its skin, or its solids.
-        framing: The camera, a transparent background and a scale bar.
-
-    Raises:
-        UnknownNameError: If the bundle has no such pose.
-        RenderingError: If there is no OpenGL here.
+    The pose is a keyframe, by default the bundle's own; markers are drawn on top of it, such as the points of its skin.
+    Raises an UnknownNameError for an unknown pose, a RenderingError without OpenGL.
     """
     (picture,) = portraits(bundle, [pose], width, height, markers, shown, framing)
     return picture
@@ -100,25 +90,20 @@ def portraits(
     )  # fmt: skip
     with closing(camera):
         for data in states:
-            camera.view = _view_of_infant(manifest, data, framing)
+            root, head = manifest.root_body, manifest.anatomy.head
+            subject = _subject(manifest, framing)
+            front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
+            if framing.crop:
+                usual = view_of_head(data, subject)
+            elif isinstance(manifest, Manifest) and manifest.caregiver:
+                usual = view_of_scene(FROM_THE_SIDE, manifest, [root], data)
+            else:
+                usual = portrait_view(data, root, head)
+            camera.view = framing.view(usual, front_deg)
             yield _picture(camera, data, [_subject(manifest, framing)], FOVY_DEG, markers, framing, is_tight=not beside)
 
 
-def _view_of_infant(manifest: Manifest, data: mujoco.MjData, framing: Framing) -> View:
-    root, head = manifest.root_body, manifest.anatomy.head
-    subject = _subject(manifest, framing)
-    front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
-    if framing.crop:
-        usual = view_of_head(data, subject)
-    elif isinstance(manifest, Manifest) and manifest.caregiver:
-        usual = view_of_scene(FROM_THE_SIDE, manifest, [root], data)
-    else:
-        usual = portrait_view(data, root, head)
-    return framing.view(usual, front_deg)
-
-
 def _subject(manifest: Manifest, framing: Framing) -> str:
-    """Return the outermost body of what fills the picture of an infant."""
     if not framing.crop:
         return manifest.root_body
     if manifest.anatomy.head is None:
@@ -165,20 +150,8 @@ def lineup(
 ) -> Picture:
     """Return a picture of several infants in a row, to scale, shape (height, width, 3), or (..., 4) if transparent.
 
-    They face the same way on a plain floor, whatever their scenes are.
-
-    Args:
-        bundles: The infants, from the left.
-        pose: A keyframe of all; else of each bundle its own.
-        width: In pixels.
-        height: In pixels.
-        markers: What is drawn on top of each, where it would be if the infant were alone.
-        shown: Whether they are drawn with their skins, or their solids.
-        framing: The camera, a transparent background and a scale bar.
-
-    Raises:
-        UnknownNameError: If a bundle has no such pose.
-        RenderingError: If there is no OpenGL here.
+    They face the same way on a plain floor, whatever their scenes are, from the left; markers are drawn where they
+    would be if each were alone. Raises what `portrait` does.
     """
     model, data, roots, moves = row_of(bundles, pose)
     drawn = None

@@ -54,7 +54,6 @@ class Renderer:
     """
 
     scene: mujoco.MjvScene
-    """What is drawn; filled by `compose`."""
     context: mujoco.MjrContext
 
     def __init__(
@@ -83,11 +82,7 @@ class Renderer:
             self._load(model)
 
     def change_model(self, model: mujoco.MjModel) -> None:
-        """Draw another model from now on, in the same OpenGL context: a tenth of the time of a new renderer.
-
-        Raises:
-            RenderingError: If OpenGL has no room for it.
-        """
+        """Draw another model in the same context, ten times faster than a new one, or raise a RenderingError."""
         with self.in_use():
             self._finalizer.detach()
             self.context.free()
@@ -117,11 +112,7 @@ class Renderer:
 
     @contextmanager
     def in_use(self) -> Iterator[None]:
-        """Draw and read within; before and after, any thread can do so.
-
-        Raises:
-            RenderingError: If another thread is drawing with it, or it is closed.
-        """
+        """Draw and read within, any thread can outside of it; RenderingError if another one is, or it is closed."""
         with self._alone():
             if not self._finalizer.alive:
                 raise RenderingError("nothing can be drawn with what has been closed; open it again")
@@ -168,11 +159,7 @@ class Renderer:
         return depth < 1  # OpenGL's depth where there is nothing is that of the far plane.
 
     def close(self) -> None:
-        """Free the OpenGL context; closing twice is fine.
-
-        Raises:
-            RenderingError: If another thread is drawing with it.
-        """
+        """Free the OpenGL context, once; RenderingError if another thread is drawing with it."""
         with self._alone():
             self._finalizer()
 

@@ -62,14 +62,10 @@ class Move:
 
 
 def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
-    """Return infants side by side along y, all of which face +x, on a floor.
+    """Return infants side by side along y on a floor, all facing +x; UnknownNameError if a bundle has no such pose.
 
-    Returns:
-        A model of all and its state; the names of their root bodies, from the left; and what takes each infant, and
-        what belongs to it, from its own scene to its place.
-
-    Raises:
-        UnknownNameError: If a bundle has no such pose.
+    These are a model of all and its state; the names of their root bodies, from the left; and what takes each infant,
+    and what belongs to it, from its own scene to its place.
     """
     posed = [load_in_pose(bundle, pose) for bundle in bundles]
     model, prefixes = _model_of(bundles)
@@ -113,7 +109,6 @@ def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mu
 
 
 def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
-    """Return a model of several infants on a floor, and what the names of their parts begin with."""
     prefixes = [f"{number}: " for number in range(len(bundles))]
     files: dict[str, bytes] = {}
     for bundle, prefix in zip(bundles, prefixes, strict=True):

@@ -174,7 +174,6 @@ def passes(
 
 
 def _set_daylight(scene: mujoco.MjvScene, shot: Shot, daylight: Daylight) -> None:
-    """Replace all lights of a scene."""
     azimuth, elevation = shot.view
     scene.nlight = 1 + len(daylight.fills)
     for light, beam in zip(scene.lights, (daylight.sun, *daylight.fills), strict=False):
@@ -207,7 +206,10 @@ def _set_range(camera: mujoco.MjvGLCamera, near_m: float, far_m: float) -> None:
 
 def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list["_Light"]]:
     """Put the lights that cast no shadows first; return how many they are, and the others."""
-    lights = [_values(light) for light in scene.lights[: scene.nlight]]
+    lights = [
+        {name: copy(getattr(light, name)) for name in dir(light) if not name.startswith("_")}
+        for light in scene.lights[: scene.nlight]
+    ]
     steady = [light for light in lights if not light["castshadow"]]
     scene.nlight = 0
     for light in steady:
@@ -216,15 +218,9 @@ def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list["_Light"]]:
 
 
 _Light = dict[str, Any]
-"""The fields of an `MjvLight`."""
-
-
-def _values(light: mujoco.MjvLight) -> _Light:
-    return {name: copy(getattr(light, name)) for name in dir(light) if not name.startswith("_")}
 
 
 def _add_light(scene: mujoco.MjvScene, values: _Light, share: float = 1.0) -> None:
-    """Add a light to a scene, that shines with a share of its strength."""
     light = scene.lights[scene.nlight]
     for name, value in values.items():
         setattr(light, name, share * value if name in STRENGTHS else value)

@@ -23,11 +23,7 @@ class Window:
     """The viewer of one environment; it runs no faster than real time, so that one sees what happens."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, root_body: str):
-        """Open the window, looking at a body.
-
-        Raises:
-            RenderingError: If there is no screen.
-        """
+        """Open the window, looking at a body; raise a RenderingError if there is no screen."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # GLFW warns, and says no.
             if not glfw.init():

@@ -27,14 +27,12 @@ def _without_separators(value: Any) -> Any:
 
 
 def _number(value: Any) -> Any:
-    """Return a number as it is."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{got(value)} is not a number; write one, such as 0.99")
     return value
 
 
 def _setting(value: Any) -> Any:
-    """Return a text, a number or a truth value as it is."""
     if not isinstance(value, str | int | float):
         raise ValueError(f"{got(value)} is not a number, a text, true or false; write one of these")
     return value

@@ -134,7 +134,6 @@ class InfantSpec(InfantKeys):
         return _checked(type(self), changed(data, changes), self)
 
     def _repr_html_(self) -> str:
-        """Return what notebooks show: the text of the spec."""
         return f"<pre>{escape(as_written(self).text)}</pre>"
 
     def __eq__(self, other: object) -> bool:

@@ -231,3 +231,7 @@ class MotionFormat:
     read: Code
     """`read(path, options) -> PointRecording`, its names the labels of the file, its rate NaN if that says none.
     *options* are `mimoc.motion.options.ReadOptions`; an `UnusableFileError` says what follows the path in an error."""
+
+
+AGES_MONTHS = (0.0, 1.0, 3.0, 6.0, 12.0, 24.0)
+"""The ages at which conduction times are given."""

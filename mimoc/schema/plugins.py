@@ -14,8 +14,7 @@ from typing import get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from mimoc.anatomy.part import ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import PartKind, ReferencePart
 from mimoc.anatomy.parts import PARTS
 from mimoc.anatomy.parts.checking import check_parts
 from mimoc.base.errors import KindError

@@ -158,7 +158,6 @@ def in_memory_as_text(data: dict[str, Any], name: str, folder: Path) -> Source:
 
 
 def _end(text: str) -> Place:
-    """Return the position after the end of a text."""
     lines = re.split("\r\n|\r|\n", text)
     return (len(lines), len(lines[-1]) + 1)
 

@@ -103,7 +103,6 @@ def _or(words: Sequence[object]) -> str:
 
 
 def _about(language: Language, path: KeyPath) -> str:
-    """Return the first sentence of the description of a section."""
     return " ".join(language.outline(path).schema.get("description", "").split()).partition(". ")[0].removesuffix(".")
 
 

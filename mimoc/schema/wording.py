@@ -58,7 +58,10 @@ def fault(details: ErrorDetails, data: dict[str, Any], language: Language) -> Fa
     """Return the fault that corresponds to one of pydantic's errors."""
     path, kinds = _path(details, data, language)
     if details["type"] == "value_error":
-        return _own_fault(details, path)
+        error = details.get("ctx", {})["error"]
+        if isinstance(error, KeyedError):
+            return Fault(path + error.key, "value", str(error), path + error.against if error.against else ())
+        return Fault(path, "key" if details["loc"][-1] == "[key]" else "value", str(error))
     if details["type"] == "extra_forbidden":
         kind = str(details["loc"][-2]) if len(details["loc"]) > 1 else ""
         return Fault(path, "key", unknown_key(path, language, kind))
@@ -103,14 +106,6 @@ def _path(details: ErrorDetails, data: Any, language: Language) -> tuple[KeyPath
         elif details["type"] == "missing" and step == details["loc"][-1]:
             path.append(step)
     return tuple(path), kinds
-
-
-def _own_fault(details: ErrorDetails, path: KeyPath) -> Fault:
-    """Return the fault found by one of mimoc's validators."""
-    error = details.get("ctx", {})["error"]
-    if isinstance(error, KeyedError):
-        return Fault(path + error.key, "value", str(error), path + error.against if error.against else ())
-    return Fault(path, "key" if details["loc"][-1] == "[key]" else "value", str(error))
 
 
 def _missing(path: KeyPath, language: Language) -> str:
@@ -207,7 +202,6 @@ def _wrong_type(value: Any, known: Outline) -> str:
 
 
 def _nearest(word: str, choices: Sequence[str]) -> str:
-    """Return advice on which choice a word may mean."""
     meant = _SYNONYMS.get(word.strip().lower())
     return f"did you mean '{meant}'?" if meant in choices else suggestion(word, choices)
 
@@ -218,7 +212,6 @@ def _better_name(name: str) -> str:
 
 
 def _range(known: Outline) -> str:
-    """Return the range of a number as text."""
     schema = known.schema
     unit = _UNIT_WORDS.get(known.unit or "", known.unit or "")
     if "minimum" in schema and schema["minimum"] > schema.get("exclusiveMinimum", -math.inf):

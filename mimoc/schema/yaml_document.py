@@ -172,7 +172,6 @@ class DocumentReader:
         return event.value
 
     def _repeated(self, path: KeyPath, name: str, place: Place) -> Any:
-        """Return the value that an alias refers to."""
         anchored = self.anchors.get(name)
         if anchored is None:
             what = "is inside its own anchor" if name in self.anchors else f"has no '&{shown(name)}' before it"
@@ -221,7 +220,6 @@ class DocumentReader:
         return None
 
     def _skip(self, event: Any) -> None:
-        """Skip a value."""
         depth = 0
         while True:
             self._count(1, _place(event))

@@ -1,10 +1,17 @@
-"""Results of parts of a study, which outlive an interruption: a later run of the same software goes on from them."""
+"""Parts of a study: results that outlive an interruption, and processes that trials run in."""
 
 import json
-from collections.abc import Mapping
+import os
+import signal
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
+from threading import Thread
 from typing import Any, TypeVar
 
 from mimoc.bundle.files import make_folder, write_file
@@ -28,13 +35,7 @@ def software() -> Mapping[str, str]:
 
 
 def kept_file(folder: Path, name: str, *what: Any) -> Path:
-    """Return the file of a result.
-
-    Args:
-        folder: Of the results of one kind.
-        name: What its name begins with.
-        what: All that decides the result besides the software, as plain data for JSON.
-    """
+    """Return the file of a result in a folder; *what* decides it besides the software, as data for JSON."""
     text = json.dumps([name, what, software()], sort_keys=True)
     return folder / f"{name}-{sha256(text.encode()).hexdigest()[:16]}.json"
 
@@ -51,3 +52,32 @@ def read_kept(path: Path, kind: type[Result], *, below: Path) -> Result | None:
         return read_json_file(path, kind, below=below)
     except UnusableFileError:
         return None
+
+
+@contextmanager
+def process_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Yield a pool of processes that start anew, and leave Ctrl-C to the one that asks for it.
+
+    When that leaves the context, by whatever exception, or is itself ended, they end at once, whatever they are at.
+    """
+    context = get_context("spawn")
+    theirs, ours = context.Pipe(duplex=False)
+    with theirs, ours, ProcessPoolExecutor(processes, context, _begin, (theirs,)) as pool:
+        try:
+            yield pool
+        except BaseException:
+            ours.close()
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def _begin(lifeline: Connection) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+
+
+def _end_with(lifeline: Connection) -> None:
+    """End this process when the other end of a connection is closed, or the process that has it ends."""
+    with suppress(EOFError, OSError):
+        lifeline.recv_bytes()
+    os._exit(1)

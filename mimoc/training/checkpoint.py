@@ -15,8 +15,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import parse_json
-from mimoc.policies.archive import DAMAGED, Archive
-from mimoc.policies.policy_file import WEIGHTS
+from mimoc.policies.policy_file import DAMAGED, WEIGHTS, Archive
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
 from mimoc.training.agents import Modules, agent_state, restore_agent, restore_state, state_of

@@ -15,8 +15,8 @@ from stable_baselines3.common.logger import Logger
 from tensordict import TensorDict
 
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.policies.interface import interface_of
 from mimoc.policies.network import Network, pack_network
+from mimoc.policies.policy_file import interface_of
 from mimoc.runtime.device.arrays import present, put
 from mimoc.runtime.device.episode_ends import DeviceTask
 from mimoc.runtime.device.residents import StartingInfant

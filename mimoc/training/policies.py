@@ -16,10 +16,18 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.base.errors import PolicyError
 from mimoc.bundle.arrays import pack_arrays
-from mimoc.policies.archive import DAMAGED
-from mimoc.policies.interface import check_fits, interface_of, spaces_of
 from mimoc.policies.policy import Policy, PolicyMaker
-from mimoc.policies.policy_file import ABOUT, NOT_A_POLICY, OF_AGENT, WEIGHTS, PolicyFile
+from mimoc.policies.policy_file import (
+    ABOUT,
+    DAMAGED,
+    NOT_A_POLICY,
+    OF_AGENT,
+    WEIGHTS,
+    PolicyFile,
+    check_fits,
+    interface_of,
+    spaces_of,
+)
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of

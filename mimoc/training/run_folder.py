@@ -14,7 +14,7 @@ from mimoc.bundle.files import check_unlinked, discard, make_folder, remove, wri
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
 from mimoc.bundle.world import WorldBundle, is_world_folder, read_world_bundle
-from mimoc.policies.archive import MOST_BYTES
+from mimoc.policies.policy_file import MOST_BYTES
 from mimoc.recording.folder import digest, lock_folder, versions
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Plain, bounded

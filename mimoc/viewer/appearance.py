@@ -36,10 +36,7 @@ def describe_materials(model: mujoco.MjModel) -> dict[str, Any]:
             for index in range(model.nmat)
         ],
         "textures": [
-            {
-                "cube": bool(model.tex_type[index] == mujoco.mjtTexture.mjTEXTURE_CUBE),
-                "png": _png(model, index),
-            }
+            {"cube": bool(model.tex_type[index] == mujoco.mjtTexture.mjTEXTURE_CUBE), "png": _png(model, index)}
             for index in used
         ],
     }
@@ -86,7 +83,6 @@ def describe_face(variants: Sequence[Variant], ages_months: Sequence[float]) -> 
 
 
 def _layer(models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
-    """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("skin_vert", "skin_face", "skin_bone"))
     moved_by, weights = _strongest(skin_of(model, index).weights)

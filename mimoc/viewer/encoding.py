@@ -104,11 +104,7 @@ def source(name: str) -> str:
 
 
 def built(name: str) -> bytes:
-    """Return a file that `make viewer` builds.
-
-    Raises:
-        MimocError: If it is missing.
-    """
+    """Return a file that `make viewer` builds; MimocError if it is missing."""
     try:
         return (FOLDER / "built" / name).read_bytes()
     except FileNotFoundError:

@@ -14,6 +14,8 @@ from mimoc.base.errors import MimocError
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.variants import spec_of
+from mimoc.motion.points import BONES
+from mimoc.movement.retargeting.folder import is_retargeted, read_retargeted
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.replay_recording import chosen_episodes, replay_recording
 from mimoc.recording.video import SMALL, Mp4
@@ -22,7 +24,6 @@ from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
-from mimoc.viewer.filmed_points import points_of
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.page import Progress, describe, fill
 from mimoc.viewer.world_page import Place, composed, move_bodies, move_home, with_surroundings
@@ -67,10 +68,7 @@ def page_of_recording(
 
 
 def describe_episode(
-    recording: ReadRecording,
-    episode: Episode,
-    progress: Progress = lambda *_: None,
-    alone: Bundle | None = None,
+    recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None, alone: Bundle | None = None
 ) -> tuple[dict[str, Any], str | None, mujoco.MjModel]:
     """Return what a page knows of an episode, which is simulated again.
 
@@ -128,7 +126,6 @@ class _Film:
     _row: int = 0
 
     def __call__(self, env: Infant, observation: Observation) -> None:
-        """Keep a frame, if it is due."""
         if self._own is None:
             self.model, self._own = env.model, own_parts(env.model, env.manifest)
             self.surroundings = describe_surroundings(env.model, env.data, self._own, solids=bool(self.alone))
@@ -212,7 +209,6 @@ def _curve(name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
 
 
 def _videos(episode: Episode) -> Iterator[tuple[str, bytes]]:
-    """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":
             with TemporaryDirectory() as folder:
@@ -221,3 +217,46 @@ def _videos(episode: Episode) -> Iterator[tuple[str, bytes]]:
                     video.add(picture)
                 content = video.save().read_bytes()
             yield reading.name, content
+
+
+EDGE = 0.06
+"""Empty margin around the points, as a share of the larger side of their picture."""
+FROM_ABOVE = np.array([1.0, -1.0])
+"""How places in space are drawn: x to the right, y upwards."""
+
+
+def points_of(folder: Path) -> dict[str, Any] | None:
+    """Return the points of a retargeted recording, or None; MimocError if they are damaged."""
+    if not is_retargeted(folder):
+        return None
+    retargeted = read_retargeted(folder)
+    recording, names = retargeted.recording, retargeted.recording.names
+    distances = np.linalg.norm(recording.positions - retargeted.fitted.positions, axis=-1) / recording.trunk
+    recorded, fitted = _drawn(recording.positions), _drawn(retargeted.fitted.positions)
+    known = [bone for bone in BONES if {*bone} <= {*names}]
+    both = np.concatenate([recorded, fitted]).reshape(-1, 2)
+    low, high = np.nanmin(both, axis=0), np.nanmax(both, axis=0)
+    edge = EDGE * float((high - low).max())
+    return {
+        "rate_hz": recording.rate_hz,
+        "bones": np.array([[names.index(point) for point in bone] for bone in known], np.uint32).reshape(-1, 2),
+        "recorded": recorded,
+        "fitted": fitted,
+        "errors": _medians(distances),
+        "box": np.concatenate([low - edge, high - low + 2 * edge]),
+    }
+
+
+def _drawn(positions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return positions if positions.shape[-1] == 2 else positions[..., :2] * FROM_ABOVE
+
+
+def _medians(distances: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the median of each row, shape (t,); NaN for a row without any number."""
+    known = np.isfinite(distances)
+    filled = np.where(known, distances, np.inf)
+    order = np.sort(filled, axis=1)
+    count = known.sum(axis=1)
+    rows = np.arange(len(order))
+    middle = (order[rows, np.maximum(count - 1, 0) // 2] + order[rows, np.minimum(count // 2, order.shape[1] - 1)]) / 2
+    return np.where(count > 0, middle, np.nan)

@@ -36,18 +36,13 @@ class Own:
     bodies: IntArray
     geoms: IntArray
     joints: IntArray
-    """The hinges."""
     cameras: IntArray
     qpos: IntArray
     """Of the root: three numbers of its place, four of its orientation; then of each hinge."""
 
 
 def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
-    """Return which parts of a model are the infant's.
-
-    Raises:
-        MimocError: If it has joints that are no hinges.
-    """
+    """Return which parts of a model are the infant's; MimocError if it has joints that are no hinges."""
     mine = in_subtrees(model, [model.body(manifest.root_body).id])
     root = model.joint(manifest.root_joint).id
     joints = np.flatnonzero(mine[model.jnt_bodyid] & (np.arange(model.njnt) != root))
@@ -64,11 +59,7 @@ def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
 
 
 def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
-    """Return the body of an infant at some ages; arrays that change with age have it as their first axis.
-
-    Raises:
-        MimocError: If it has other parts at some age.
-    """
+    """Return an infant's body at some ages, the first axis of arrays that change; MimocError if its parts change."""
     parts = [own_parts(variant.model, variant.bundle.manifest) for variant in variants]
     counts = {tuple(len(getattr(infant, name)) for name in Own.__slots__) for infant in parts}
     if len(counts) > 1:
@@ -79,15 +70,10 @@ def describe_growth(variants: Sequence[Variant], ages_months: Sequence[float]) -
         """Return an array of a model at each age, of what is the infant's."""
         return np.stack([getattr(model, name)[getattr(infant, kind)] for model, infant in at_ages])
 
-    return {
-        "ages_months": list(ages_months),
-        **_anatomy(*at_ages[0], by_age),
-        "poses": dict(_poses(variants, parts)),
-    }
+    return {"ages_months": list(ages_months), **_anatomy(*at_ages[0], by_age), "poses": dict(_poses(variants, parts))}
 
 
 def _anatomy(model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
-    """Return bodies, joints, geoms and eyes; numbers of bodies are those within the infant."""
     number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {
@@ -139,7 +125,6 @@ def describe_touch(variants: Sequence[Variant], ages_months: Sequence[float]) ->
 
 
 def _poses(variants: Sequence[Variant], parts: Sequence[Own]) -> Iterator[tuple[str, npt.NDArray[Any]]]:
-    """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
             keys = [variant.model.key(pose).qpos[infant.qpos] for variant, infant in zip(variants, parts, strict=True)]

@@ -17,7 +17,7 @@ import numpy as np
 from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.infant import Infant
-from mimoc.viewer.meshes import Colour, colour_of, coloured_faces, mesh_of, skin_of, texture_of
+from mimoc.viewer.meshes import colour_of, coloured_faces, mesh_of, skin_of, texture_of
 
 HOST = "localhost"
 """Where pages are served: others on the network see nothing."""
@@ -41,7 +41,6 @@ class Access:
     """
 
     def __init__(self) -> None:
-        """Make a token and a cookie that nobody can guess."""
         self._token, self._is_token_used = secrets.token_urlsafe(16), False
         self._cookie = secrets.token_urlsafe(16)
 
@@ -59,7 +58,12 @@ class Access:
                 if self._has_cookie(host, cookies):
                     return process_request(connection, request)
                 if self._use_token(request.path):
-                    return self._hand_out_cookie(connection, host)
+                    response = connection.respond(HTTPStatus.SEE_OTHER, "")
+                    response.headers["Location"] = "/"
+                    response.headers["Set-Cookie"] = (
+                        f"{_cookie_name(host)}={self._cookie}; Path=/; HttpOnly; SameSite=Strict"
+                    )
+                    return response
             return connection.respond(HTTPStatus.FORBIDDEN, REFUSAL)
 
         return process
@@ -102,16 +106,8 @@ class Access:
         self._is_token_used = True
         return True
 
-    def _hand_out_cookie(self, connection: Any, host: str) -> Any:
-        """Return the response that gives a browser the cookie and leads it to the page."""
-        response = connection.respond(HTTPStatus.SEE_OTHER, "")
-        response.headers["Location"] = "/"
-        response.headers["Set-Cookie"] = f"{_cookie_name(host)}={self._cookie}; Path=/; HttpOnly; SameSite=Strict"
-        return response
-
 
 def _cookie_name(host: str) -> str:
-    """Return the name of the cookie: browsers share cookies among all ports of a machine."""
     return f"mimoc-{host.rpartition(':')[2]}"
 
 
@@ -175,9 +171,6 @@ class LiveView(AbstractContextManager["LiveView"]):
         if 0 <= self._env.data.time - self._shown_s < PICTURE_S - 1e-6:
             return
         self._shown_s = self._env.data.time
-        self._send()
-
-    def _send(self) -> None:
         data = self._env.data
         with self._server.atomic():
             for body, frame in self._bodies.items():
@@ -193,11 +186,9 @@ class LiveView(AbstractContextManager["LiveView"]):
             self._server.stop()
 
     def __exit__(self, *_: object) -> None:
-        """Stop serving."""
         self.close()
 
     def _add_bodies(self, model: mujoco.MjModel) -> dict[int, Any]:
-        """Add all geoms, and return the frame of each body that has any."""
         scene = self._server.scene
         scene.set_up_direction("+z")
         frames: dict[int, Any] = {}
@@ -210,18 +201,20 @@ class LiveView(AbstractContextManager["LiveView"]):
             if body not in frames:
                 frames[body] = scene.add_frame(name, show_axes=False)
             vertices_m, faces = mesh_of(model, geom)
+            material = model.geom_matid[geom]
+            pixels = texture_of(model, material)
+            rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
             scene.add_mesh_simple(
                 f"{name}/{model.geom(geom).name}",
                 vertices_m,
                 faces,
-                color=_colour(model, geom),
+                color=colour_of(rgba[:3] * (255 if pixels is None else pixels.mean(axis=(0, 1)))),
                 position=model.geom_pos[geom],
                 wxyz=model.geom_quat[geom],
             )
         return frames
 
     def _add_skins(self, model: mujoco.MjModel) -> list[tuple[Any, list[int]]]:
-        """Add all skins, and return their meshes, each with the bodies that move it."""
         skins = []
         for index in range(model.nskin):
             skin = skin_of(model, index)
@@ -263,11 +256,3 @@ def _serve(port: int, name: str, access: Access) -> Any:
 def _without_messages() -> AbstractContextManager[Any]:
     """Keep viser from printing its own address, which opens nothing, and that it has stopped."""
     return redirect_stdout(io.StringIO())
-
-
-def _colour(model: mujoco.MjModel, geom: int) -> Colour:
-    """Return the colour of a geom; of a textured one, the mean of its texture."""
-    material = model.geom_matid[geom]
-    pixels = texture_of(model, material)
-    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-    return colour_of(rgba[:3] * (255 if pixels is None else pixels.mean(axis=(0, 1))))

@@ -21,11 +21,7 @@ FINENESS = 3
 
 
 def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
-    """Return the surface of a geom.
-
-    Raises:
-        MimocError: If it has none, as a plane.
-    """
+    """Return the surface of a geom; MimocError if it has none, as a plane."""
     kind, size = GEOM(int(model.geom_type[geom])), model.geom_size[geom]
     if kind == GEOM.mjGEOM_MESH:
         verts, faces = (rows_of(model, part, model.geom_dataid[geom]) for part in ("mesh_vert", "mesh_face"))

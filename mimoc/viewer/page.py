@@ -55,19 +55,13 @@ def describe_physics(variants: Sequence[Variant]) -> dict[str, Any]:
 
 
 def _model(variant: Variant) -> dict[str, Any]:
-    """Return a model and the files that it refers to, bare: MJCF and meshes."""
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
     bare = {name: _bare(content.decode()) for name, content in files.items() if name.endswith(".xml")}
     needed = {name: bare.get(name, files[name]) for name in files if name.endswith((".xml", ".obj", ".stl", ".msh"))}
-    return {
-        "age_months": variant.bundle.manifest.child.age_months,
-        "scene": _bare(scene),
-        "files": needed,
-    }
+    return {"age_months": variant.bundle.manifest.child.age_months, "scene": _bare(scene), "files": needed}
 
 
 def _bare(mjcf: str) -> bytes:
-    """Return MJCF without what only shows."""
     root = ElementTree.fromstring(mjcf)
     for parent in list(root.iter()):
         parent.attrib.pop("material", None)
@@ -137,14 +131,7 @@ NOW = "now"
 def with_posture(
     about: dict[str, Any], packed: EncodedArrays, qpos: npt.NDArray[np.float64], length_cm: float
 ) -> dict[str, Any]:
-    """Return what a page knows of an infant that is in a posture now; at other ages the same, as high as it is long.
-
-    Args:
-        about: What it knows, with arrays that are kept in *packed*.
-        packed: The arrays.
-        qpos: Of its root and its hinges, shape (7 + n,).
-        length_cm: The infant's length now.
-    """
+    """Return what a page knows of an infant that is in a posture now; at other ages the same, as high as it is long."""
     lengths_cm = packed.arrays[about["standards"]["charts"]["length_cm"]["plot"]["lines"][-1]["y"]["array"]]
     posture = np.tile(qpos, (len(lengths_cm), 1))
     posture[:, 2] *= lengths_cm / length_cm
@@ -154,7 +141,6 @@ def with_posture(
 At = Callable[[float, bool], Variant]
 """Builds an infant at an age in months, dressed or not."""
 Range = tuple[float, float]
-"""Least and greatest age, in months."""
 
 
 def _grown(spec: InfantSpec, progress: Progress) -> tuple[At, list[Variant], Range]:
@@ -206,11 +192,7 @@ def _bounds(least: float, most: float) -> str:
 
 
 def fill(data: dict[str, Any], packed: EncodedArrays | None = None) -> str:
-    """Return the page that shows some data, of which *packed* has some arrays already.
-
-    Raises:
-        MimocError: If the program of the page, or MuJoCo's, has not been built.
-    """
+    """Return the page that shows some data; MimocError if the program of the page, or MuJoCo's, is not built."""
     parts = (packed or EncodedArrays()).encode(data)
     licences = built(LICENCES).decode()
     if data["physics"]:

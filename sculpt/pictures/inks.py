@@ -18,8 +18,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.compiler.looks import palettes
-from mimoc.compiler.looks.colours import CLOTHES, EYES, HAIR, INKS, SKINS, inks_of
+from mimoc.compiler.looks.colours import CLOTHES, EYES, HAIR, INKS, SKINS, inks_of, mixed as mixed_inks
 from mimoc.compiler.looks.pictures import png_of
 from mimoc.schema.looks import LooksSpec
 
@@ -63,7 +62,7 @@ def plain(shape: Sequence[int], mixture: FloatArray) -> FloatArray:
 
 def coloured(canvas: FloatArray, inks: dict[str, tuple[float, float, float]] = DEFAULT) -> FloatArray:
     """Return the red, green and blue of a canvas, 0 to 255, shape (rows, columns, 3)."""
-    colours = palettes.mixed(_amounts(canvas).reshape(-1, len(INKS)), inks)
+    colours = mixed_inks(_amounts(canvas).reshape(-1, len(INKS)), inks)
     return colours.reshape(*canvas.shape[:2], 3).astype(np.float64)
 
 
@@ -76,14 +75,14 @@ def with_palette(canvas: FloatArray, colours: int) -> Painted:
     rows, which, count = np.unique(
         _amounts(canvas).reshape(-1, len(INKS)), axis=0, return_inverse=True, return_counts=True
     )
-    seen = np.hstack([palettes.mixed(rows, inks) for inks in SHOWN]).astype(np.float64)
+    seen = np.hstack([mixed_inks(rows, inks) for inks in SHOWN]).astype(np.float64)
     group = _groups(seen, count.astype(np.float64), colours)
     mixtures = np.zeros((group.max() + 1, len(INKS)))
     np.add.at(mixtures, group, rows * count[:, None])
     mixtures = mixtures / np.bincount(group, count)[:, None]
     mixtures = np.rint(mixtures).astype(np.uint8)
     picture = Image.fromarray(group[which.reshape(canvas.shape[:2])].astype(np.uint8), "P")
-    picture.putpalette(palettes.mixed(mixtures, DEFAULT).tobytes())
+    picture.putpalette(mixed_inks(mixtures, DEFAULT).tobytes())
     return Painted(png_of(picture, compress_level=9), mixtures)
 
 

@@ -14,8 +14,7 @@ from support.registered import registered
 
 import mimoc
 from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part import ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import PartKind, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.anatomy.parts import PARTS
 from mimoc.base.errors import KindError, SpecError
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES

@@ -13,8 +13,7 @@ from PIL import Image
 from uv_map import unwrapped, wrapped
 
 from mimoc.compiler.looks.appearance import GRID_LAYOUT
-from mimoc.compiler.looks.colours import INKS, inks_of
-from mimoc.compiler.looks.palettes import mixtures
+from mimoc.compiler.looks.colours import INKS, inks_of, mixtures
 from mimoc.compiler.looks.pictures import FOLDER, read_picture
 from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.looks import LooksSpec

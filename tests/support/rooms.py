@@ -21,7 +21,7 @@ FLOORS = (
     ("compiler", "render", "motion"),
     ("runtime",),
     ("components", "policies", "plugin"),
-    ("recording", "interop"),
+    ("recording", "compat"),
     ("training", "movement"),
     ("studies",),
     ("viewer",),

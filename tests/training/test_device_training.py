@@ -12,7 +12,7 @@ import torch
 import mimoc
 from mimoc.base.errors import MimocError, PolicyError
 from mimoc.bundle.arrays import unpack_arrays
-from mimoc.policies.archive import Archive
+from mimoc.policies.policy_file import Archive
 from mimoc.training import learner_choice
 from mimoc.training.agents import restore_state
 from mimoc.training.device_learner import make_ppo

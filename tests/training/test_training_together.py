@@ -10,7 +10,7 @@ import torch
 
 import mimoc
 from mimoc.bundle.arrays import unpack_arrays
-from mimoc.policies.archive import Archive
+from mimoc.policies.policy_file import Archive
 from mimoc.training.checkpoint import Progress
 from mimoc.training.device_curve import DeviceCurve
 from mimoc.training.group import Wish, train_together

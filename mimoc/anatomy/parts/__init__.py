@@ -1,6 +1,6 @@
 """The parts that bodies are assembled from: MIMo's, and others' by the entry points `mimoc.parts`."""
 
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import PartKind
 from mimoc.anatomy.parts import arm, feet, five_finger, head, leg, mitten, trunk
 from mimoc.base.kinds import Kinds
 
@@ -9,7 +9,6 @@ PARTS: Kinds[PartKind] = Kinds("body part", {kind.name: kind for kind in (mitten
 
 TRUNK, ARM, HEAD, EYES, LEG = trunk.KIND, arm.KIND, head.KIND, head.EYES, leg.KIND
 FLAT_FEET, TWO_TOED_FEET = (feet.FLAT, feet.FLAT), (feet.RIGHT_TWO_TOED, feet.LEFT_TWO_TOED)
-"""The right and the left foot."""
 
 
 def kinds_of_hands() -> tuple[str, ...]:

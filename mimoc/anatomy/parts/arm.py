@@ -4,12 +4,12 @@ from mimoc.anatomy.dimensions import BodyGeometry, along
 from mimoc.anatomy.part import (
     REST_ABDUCTION_DEG,
     SHOULDERS,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.trunk import behind_chest
 from mimoc.anatomy.sections import SHOULDER_BACK
 from mimoc.anatomy.segments import Proportions

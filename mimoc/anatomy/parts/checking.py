@@ -4,28 +4,19 @@ from collections import Counter
 from collections.abc import Iterator
 
 from mimoc.anatomy.dimensions import BodyGeometry
-from mimoc.anatomy.part import MATURING_GROUPS, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import MATURING_GROUPS, PartKind, ReferencePart
 from mimoc.anatomy.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.base.errors import KindError, suggestion
 
 
 def check_parts(kind: PartKind) -> None:
-    """Check that the parts of a kind fit together, and onto MIMo's body.
-
-    Raises:
-        KindError: If they do not; the message names the first thing that is wrong.
-    """
+    """Raise a KindError unless the parts of a kind fit together, and onto MIMo's body: the first that is wrong."""
     if problem := next(_problems(kind), None):
         raise KindError(f"the body part '{kind.name}' does not fit: {problem}")
 
 
 def check_dimensions(kind: PartKind, dimensions: BodyGeometry) -> None:
-    """Check that the shape of a kind gives a place for each of its parts, and a shape for each of their geoms.
-
-    Raises:
-        KindError: If one is missing.
-    """
+    """Raise a KindError unless the shape of a kind places all its parts, with a shape for each of their geoms."""
     for part in kind.parts:
         missing = [geom.name for geom in part.geoms if geom.name not in dimensions.shapes]
         if part.name not in dimensions.origins or missing:
@@ -56,7 +47,6 @@ def _problems(kind: PartKind) -> Iterator[str]:
 
 
 def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
-    """Yield the names of a part and of all that it has, with what they are of."""
     for item in (part, *part.geoms, *part.joints, *part.motors):
         yield type(item), item.name
 

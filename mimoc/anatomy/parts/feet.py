@@ -10,12 +10,12 @@ from mimoc.anatomy.part import (
     ALONG_Y,
     LEG_LENGTH,
     LEG_SHARE,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.leg import ANKLE_JOINTS, ANKLE_MOTORS
 from mimoc.anatomy.sections import CLEARANCE_M
 from mimoc.anatomy.segments import REFERENCE_M, Foot, Proportions
@@ -65,7 +65,6 @@ TOES = ReferencePart(
     torque_site="torque_{side}_toes",
     runs_along_x=True,
 )
-"""All toes."""
 
 
 def _half_of_toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) -> ReferencePart:

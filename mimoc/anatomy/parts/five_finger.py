@@ -13,12 +13,12 @@ from mimoc.anatomy.part import (
     UPRIGHT,
     WRIST,
     GeomType,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.anatomy.parts.mitten import check_hand
 from mimoc.anatomy.sections import CLEARANCE_M
@@ -52,7 +52,6 @@ _GRIP_CONDIM = 6
 
 
 def _palm(part: str, number: int, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
-    """Return a geom of a part of the palm, numbered from 1."""
     euler_deg, size_m = ALONG_X if shape == "cylinder" else UPRIGHT, _SIZES_M[part][number - 1]
     name = f"{{side}}_{part}{number}"
     return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=size_m)
@@ -80,7 +79,6 @@ def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) ->
 
 
 def _bone(name: str, mass_kg: float, size_from: tuple[str, str]) -> ReferenceGeom:
-    """Return the only geom of a phalanx; *name* is without its side."""
     rule = f"radius from {size_from[1]} / 2, length a share of half of hand_length"
     name, size_m = f"{{side}}_{name}1", _SIZES_M[name[:2]][_BONES[name[2:]]]
     return ReferenceGeom(name, "capsule", mass_kg, size_from, rule, condim=_GRIP_CONDIM, mass_at_m=size_m)
@@ -294,12 +292,8 @@ def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide
 def finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float, tip: float = 0.45) -> BodyGeometry:
     """Return three phalanges, the first twice as long, from joint to joint, as each of the others.
 
-    Args:
-        name: Of the finger.
-        root: Place of its first joint, in the frame of the part that it is on, in [m].
-        radius_m: Of the first phalanx.
-        half_m: Half of its length.
-        tip: By how much of that radius the last one's straight part is shorter than the second's.
+    The first joint is at *root* in the part's frame, the first phalanx has half the length *half_m*; *tip* is by how
+    much of its radius the last one's straight part is shorter than the second's.
     """
     tip_m = half_m / 2 - tip * radius_m
     return BodyGeometry(

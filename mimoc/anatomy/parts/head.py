@@ -3,8 +3,15 @@
 import math
 
 from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part import AXIAL_RULE, TRUNK_HEIGHT, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import (
+    AXIAL_RULE,
+    TRUNK_HEIGHT,
+    PartKind,
+    ReferenceGeom,
+    ReferenceJoint,
+    ReferenceMotor,
+    ReferencePart,
+)
 from mimoc.anatomy.segments import Proportions
 from mimoc.base.geometry.rotations import Vec3
 

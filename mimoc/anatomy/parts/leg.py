@@ -6,17 +6,15 @@ from mimoc.anatomy.part import (
     LEG_SHARE,
     THIGH_LENGTH,
     TRUNK_HEIGHT,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.trunk import PELVIS_X_M, PELVIS_Z_M, REFERENCE_PELVIS_RADIUS_M
-from mimoc.anatomy.sections import Trunk
 from mimoc.anatomy.segments import Proportions
 from mimoc.base.errors import GeometryError
-from mimoc.base.geometry.rotations import Vec3
 
 LEG = (
     ReferencePart(
@@ -102,9 +100,12 @@ def leg_dimensions(p: Proportions) -> BodyGeometry:
         raise GeometryError(
             f"a shank {shank.length_m:.3f} m long cannot have an ankle {2 * p.ankle_radius_m:.3f} m thick"
         )
+    # The hip joint is behind and below the middle of the pelvis.
+    radius_m = p.trunk.pelvis[0]
+    x_m = PELVIS_X_M * radius_m / REFERENCE_PELVIS_RADIUS_M - (radius_m - p.trunk.buttocks_m)
     return BodyGeometry(
         origins={
-            "{side}_upper_leg": _hip_joint(p.trunk),
+            "{side}_upper_leg": (x_m, -p.trunk.hip_y_m, PELVIS_Z_M * p.trunk.axial - (radius_m - p.trunk.rump_m)),
             "{side}_lower_leg": (p.knee_forward_m, 0.0, -thigh.length_m),
             "{side}_foot": (0.0, 0.0, -shank.length_m),
         },
@@ -118,13 +119,6 @@ def leg_dimensions(p: Proportions) -> BodyGeometry:
             ),
         },
     )
-
-
-def _hip_joint(t: Trunk) -> Vec3:
-    """Return the place of the right hip joint, behind and below the middle of the pelvis."""
-    radius_m = t.pelvis[0]
-    x_m = PELVIS_X_M * radius_m / REFERENCE_PELVIS_RADIUS_M - (radius_m - t.buttocks_m)
-    return x_m, -t.hip_y_m, PELVIS_Z_M * t.axial - (radius_m - t.rump_m)
 
 
 KIND = PartKind("leg", "Thighs and shanks.", LEG, leg_dimensions)

@@ -1,8 +1,7 @@
 """Mitten hands, whose fingers move together (Mattern et al. 2024): parts at 18 months, and their shapes."""
 
 from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part import ALONG_X, WRIST, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
-from mimoc.anatomy.part_kind import PartKind
+from mimoc.anatomy.part import ALONG_X, WRIST, PartKind, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
 from mimoc.anatomy.parts.arm import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.anatomy.sections import CLEARANCE_M
 from mimoc.anatomy.segments import Hand, Proportions

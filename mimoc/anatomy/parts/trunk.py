@@ -6,12 +6,12 @@ from mimoc.anatomy.part import (
     AXIAL_RULE,
     SHOULDERS,
     TRUNK_HEIGHT,
+    PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.part_kind import PartKind
 from mimoc.anatomy.parts.head import REFERENCE_HEAD_RADIUS_M
 from mimoc.anatomy.sections import GIRDLE_BACK, Section, Trunk
 from mimoc.anatomy.segments import Proportions
@@ -208,7 +208,6 @@ def trunk_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def _across(section: Section, x_m: float, z_m: float) -> GeomShape:
-    """Return a capsule along y from its radius and half width."""
     radius_m, half_width_m = section
     if half_width_m <= radius_m:
         raise GeometryError(f"a trunk {2 * half_width_m:.3f} m wide cannot be {2 * radius_m:.3f} m deep")

@@ -13,22 +13,14 @@ Arrays = Mapping[str, npt.NDArray[Any]]
 
 
 def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
-    """Return the arrays of an archive (.npz) by their names.
-
-    Raises:
-        DataError: If two have the same name, of which NumPy would give the last without a word.
-    """
+    """Return the arrays of an archive (.npz) by name; DataError if two share one: NumPy gives the last."""
     with np.load(path, allow_pickle=False) as archive:
         _only_once(archive.files, path.name)
         return {name: archive[name] for name in archive.files}
 
 
 def together(*parts: Arrays) -> dict[str, npt.NDArray[Any]]:
-    """Return the arrays of several mappings in one.
-
-    Raises:
-        DataError: If two of them have the same name.
-    """
+    """Return the arrays of several mappings in one; DataError if two of them have the same name."""
     _only_once([name for part in parts for name in part], "arrays that are put together")
     return {name: array for part in parts for name, array in part.items()}
 

@@ -74,7 +74,9 @@ def lean(
     gaze: FloatArray = (seen_m - face_m) / np.linalg.norm(seen_m - face_m)
     level = _level(gaze, turn[:, 2], -turn[:, 0])
     down_rad = math.asin(min(max(-gaze[2], 0.0), 1.0))
-    head_up = _across(math.sin(down_rad) * level + math.cos(down_rad) * UP, gaze)
+    direction = math.sin(down_rad) * level + math.cos(down_rad) * UP
+    across = direction - (direction @ gaze) * gaze
+    head_up = across / np.linalg.norm(across)
     head = np.column_stack([gaze, np.cross(head_up, gaze), head_up])
     centre_m = face_m - figure.face_m * gaze
     neck_m = centre_m - figure.neck_m[0] * gaze - figure.neck_m[1] * head_up
@@ -94,9 +96,3 @@ def _level(*directions: FloatArray) -> FloatArray:
         if np.linalg.norm(flat) > LEVEL:
             return flat / np.linalg.norm(flat)
     return np.array([1.0, 0.0, 0.0])
-
-
-def _across(direction: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return the part of a direction across an axis, as a unit vector."""
-    across = direction - (direction @ axis) * axis
-    return across / np.linalg.norm(across)

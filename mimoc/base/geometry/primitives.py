@@ -65,21 +65,13 @@ class Extents:
     """Of the ellipsoids, shape (n, 3)."""
 
     def along(self, directions: FloatArray) -> FloatArray:
-        """Return how far each reaches in a direction of its own frame (its support function), shape (..., n).
-
-        Args:
-            directions: Unit vectors, shape (..., n, 3).
-        """
+        """Return how far each reaches along unit vectors of its own frame (..., n, 3), shape (..., n): its support."""
         by_edges = np.einsum("...i,...i->...", np.abs(directions), self.half_edges)
         by_axes = directions * self.half_axes
         return by_edges + np.sqrt(np.einsum("...i,...i->...", by_axes, by_axes))
 
     def farthest(self, directions: FloatArray) -> FloatArray:
-        """Return the point of each that is farthest in a direction of its own frame, shape (..., n, 3).
-
-        Args:
-            directions: Unit vectors, shape (..., n, 3).
-        """
+        """Return the point of each farthest along unit vectors of its own frame (..., n, 3), shape (..., n, 3)."""
         by_axes = directions * self.half_axes
         lengths = np.linalg.norm(by_axes, axis=-1, keepdims=True)
         round_off = np.where(lengths > 0, lengths, 1.0)
@@ -125,7 +117,6 @@ def outward(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
 
 
 def _box_and_ellipsoid(kind: Kind, size: Size) -> tuple[Size, Size]:
-    """Return half edges and half axes of the box and the ellipsoid that add up to a primitive."""
     none = (0.0, 0.0, 0.0)
     match kind:
         case "box":
@@ -154,6 +145,5 @@ def _depths_in_cylinder(points: FloatArray, size: Size) -> FloatArray:
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    """Return vectors of length one; along x where there is no direction."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.where(lengths > 0, vectors, (1.0, 0.0, 0.0)) / np.where(lengths > 0, lengths, 1.0)

@@ -48,7 +48,6 @@ def matrix_from_axis(axis: Sequence[float] | FloatArray, angle_rad: float) -> Fl
 
 
 def _rotation(x: Any, y: Any, z: Any, sine: Any, cosine: Any) -> tuple[Any, ...]:
-    """Return the nine entries of a rotation about a unit vector, row by row."""
     rest = 1 - cosine
     return (
         *(cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y),

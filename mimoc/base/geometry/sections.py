@@ -28,11 +28,7 @@ class Solids:
     """World from primitive, shape (n, 3, 3)."""
 
     def reaches(self, directions: FloatArray) -> FloatArray:
-        """Return how far each reaches from the origin along vectors of any length, times it, shape (..., n).
-
-        Args:
-            directions: Shape (..., n, 3).
-        """
+        """Return how far each reaches from the origin along vectors (..., n, 3), times their length, (..., n)."""
         local = np.einsum("nij,...ni->...nj", self.rotations, directions)
         return (directions * self.centres).sum(axis=-1) + self.extents.along(local)
 

@@ -18,15 +18,7 @@ def root(
     precision: float,
     method: Literal["brentq", "bisect"] = "brentq",
 ) -> float:
-    """Return where *function*, which has another sign at *low* than at *high*, is zero.
-
-    Args:
-        function: Continuous for `brentq`; `bisect` also finds where it jumps.
-        low: One end of the bracket.
-        high: The other end.
-        precision: Largest error of the result.
-        method: As for `scipy.optimize.root_scalar`.
-    """
+    """Return where *function*, of another sign at *low* than at *high*, is zero; `bisect` also finds where it jumps."""
     from scipy.optimize import root_scalar  # It takes longer to import than most infants take to build.
 
     return float(root_scalar(function, bracket=(low, high), xtol=precision, method=method).root)
@@ -35,15 +27,10 @@ def root(
 def narrowed(
     function: Callable[[FloatArray], FloatArray], lows: FloatArray, highs: FloatArray, width: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return narrower brackets of where each of n functions is least, each with one minimum within its bracket.
+    """Return brackets of where each of n functions is least, at most *width* wide, each with one minimum in it.
 
-    Every infant is built with it, and SciPy's solvers take longer to import than that.
-
-    Args:
-        function: From m numbers for each function, shape (n, m), to their values.
-        lows: The lower ends of the brackets, shape (n,).
-        highs: The upper ends.
-        width: How wide a bracket may be in the end.
+    The function takes m numbers for each, shape (n, m). Every infant is built with it, and SciPy's solvers take longer
+    to import than that.
     """
     rows, last = np.arange(len(lows)), len(SHARES) - 1
     while (wide := highs - lows > width).any():

@@ -24,7 +24,6 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 SOUND_M_S = 343.0
-"""Speed of sound, c."""
 RADIUS_OF_ADULTS_M = 0.0875
 """Radius of the sphere whose interaural times are those of adults (Woodworth 1938)."""
 CIRCUMFERENCES = 0.964
@@ -51,11 +50,7 @@ def interaural_time_s(azimuth_rad: Any, radius_m: float) -> Any:
 
 
 def ear_angles(directions: FloatArray) -> FloatArray:
-    """Return the angles between directions and the left and the right ear, shape (n, 2).
-
-    Args:
-        directions: Unit vectors, shape (n, 3), x forward and y to the left.
-    """
+    """Return angles between unit vectors (n, 3), x forward and y left, and the left and the right ear, shape (n, 2)."""
     cosines = np.stack([directions[:, 1], -directions[:, 1]], axis=1)
     return np.arccos(np.minimum(np.maximum(cosines, -1.0), 1.0))
 

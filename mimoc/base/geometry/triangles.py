@@ -18,12 +18,9 @@ def normals_of(verts_m: FloatArray, faces: npt.NDArray[np.intp]) -> FloatArray:
 
 
 def smoothed(values: FloatArray, faces: npt.NDArray[np.intp], rounds: int) -> FloatArray:
-    """Return values at the vertices of a closed mesh after each has gone halfway to its neighbours' mean so many times.
+    """Return values (n, k) at the vertices of a mesh after each goes halfway to its neighbours' mean so often.
 
-    Args:
-        values: Shape (n, k).
-        faces: Of n vertices, shape (m, 3); two that share an edge name its ends in opposite orders.
-        rounds: How many times.
+    The mesh is closed, its faces have shape (m, 3): two that share an edge name its ends in opposite orders.
     """
     here, beside = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     count = np.maximum(np.bincount(here, minlength=len(values)), 1)

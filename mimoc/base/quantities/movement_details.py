@@ -14,7 +14,6 @@ VON_HOFSTEN = "von Hofsten & Rönnqvist 1993, Child Dev 64: 1046"
 
 
 def _of_end(part: str) -> list[Quantity]:
-    """Return what is measured of both hands, or of both feet, over both sides together."""
     label = part.capitalize()
     return [
         of_recording(name.format(part), f"{label}: {what}", unit, about, source)
@@ -142,12 +141,7 @@ _LEGS = (
         "mean over kicks of the largest acceleration of the foot, as seen",
     ),
     ("legs_together_r", "Legs: left and right", "", "Pearson correlation of left and right distance from hip to foot"),
-    (
-        "kicks_together_share",
-        "Legs: kicks together",
-        "",
-        "share of kicks with one of the other leg within .2 s",
-    ),
+    ("kicks_together_share", "Legs: kicks together", "", "share of kicks with one of the other leg within .2 s"),
 )
 _JOINTS = (
     ("hip_excursion_deg", "Hip: excursion in a kick", "°", "median range of the hip's angle from minimum to minimum"),
@@ -190,10 +184,7 @@ DETAILS = (
     *(of_recording(*row, THELEN if row[0].startswith("kick_") else None) for row in _LEGS),
 )
 """What further is measured of any recording."""
-JOINTS = (
-    *(of_recording(*row, THELEN) for row in _JOINTS),
-    *(of_recording(*row, TRUJILLO) for row in _MOVEMENTS),
-)
+JOINTS = (*(of_recording(*row, THELEN) for row in _JOINTS), *(of_recording(*row, TRUJILLO) for row in _MOVEMENTS))
 """What is measured where places in space are known: of simulated infants, of markers, with a depth camera. Angles are
 those between the lines of points: at the hip trunk and thigh, at the knee thigh and shank, at the ankle shank and
 foot."""

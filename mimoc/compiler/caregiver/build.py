@@ -14,11 +14,18 @@ from mimoc.body.head_surface import on_head
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.caregiver.figure import figure
-from mimoc.compiler.caregiver.looks import NAME, face_material, faces, materials
+from mimoc.compiler.caregiver.figure import NAME, face_material, faces, figure, materials
 from mimoc.compiler.mjcf.world import Grip, ObjectBody, ObjectGeom, Persona
-from mimoc.schema.caregiver import ActEntry, AnswersEntry, AnswersSpec, ArmEntry, CaregiverEntry, CaregiverSpec
-from mimoc.schema.caregiver_acts import ACTS, ActSpec
+from mimoc.schema.caregiver import (
+    ACTS,
+    ActEntry,
+    ActSpec,
+    AnswersEntry,
+    AnswersSpec,
+    ArmEntry,
+    CaregiverEntry,
+    CaregiverSpec,
+)
 from mimoc.schema.expressions import ADULT_EXPRESSIONS
 
 HEAD = "head"
@@ -50,7 +57,26 @@ def place_caregiver(
     if spec is None:
         return None
     scale = cm_to_m(spec.stature_cm) / STATURE_M
-    entry = _entry(spec, tree, scale)
+    head = next(geom for body in tree.bodies if body.name == HEAD for geom in body.geoms if geom.name == HEAD)
+    x, y, z = MOUTH_M
+    entry = CaregiverEntry(
+        head=f"{NAME}_head",
+        neck=f"{NAME}_neck",
+        trunk=f"{NAME}_trunk",
+        arms=(_arm("left"), _arm("right")),
+        face=f"{NAME}_face",
+        materials={name: face_material(name) for name in ADULT_EXPRESSIONS},
+        mouth_m=(scale * x, scale * y, scale * z),
+        infant_face_m=on_head(head, BETWEEN_EYES),
+        place=spec.place,
+        side=spec.side,
+        distance_m=cm_to_m(spec.distance_cm),
+        height_m=None if spec.height_cm is None else cm_to_m(spec.height_cm),
+        scale=scale,
+        expression=spec.expression,
+        script=tuple(_act(act, tree) for act in spec.script),
+        answers=spec.answers and _answers(spec.answers, tree),
+    )
     placed = _frames(entry, frames_in_world(tree, qpos)[HEAD])
     bodies = tuple(_body(name, placed[name], geoms) for name, geoms in figure(scale).items())
     grips = tuple(Grip(arm.grip, arm.bodies[-1], prefix + tree.bodies[0].name) for arm in entry.arms)
@@ -86,29 +112,6 @@ def _frames(entry: CaregiverEntry, head: Frame) -> dict[str, Frame]:
     return placed
 
 
-def _entry(spec: CaregiverSpec, tree: BodyTree, scale: float) -> CaregiverEntry:
-    head = next(geom for body in tree.bodies if body.name == HEAD for geom in body.geoms if geom.name == HEAD)
-    x, y, z = MOUTH_M
-    return CaregiverEntry(
-        head=f"{NAME}_head",
-        neck=f"{NAME}_neck",
-        trunk=f"{NAME}_trunk",
-        arms=(_arm("left"), _arm("right")),
-        face=f"{NAME}_face",
-        materials={name: face_material(name) for name in ADULT_EXPRESSIONS},
-        mouth_m=(scale * x, scale * y, scale * z),
-        infant_face_m=on_head(head, BETWEEN_EYES),
-        place=spec.place,
-        side=spec.side,
-        distance_m=cm_to_m(spec.distance_cm),
-        height_m=None if spec.height_cm is None else cm_to_m(spec.height_cm),
-        scale=scale,
-        expression=spec.expression,
-        script=tuple(_act(act, tree) for act in spec.script),
-        answers=spec.answers and _answers(spec.answers, tree),
-    )
-
-
 def _arm(side: str) -> ArmEntry:
     upper_arm, forearm, hand = (f"{NAME}_{side}_{part}" for part in PARTS)
     return ArmEntry(bodies=(upper_arm, forearm, hand), grip=f"{NAME}_{side}_grip")
@@ -122,6 +125,8 @@ def _act(act: ActSpec, tree: BodyTree) -> ActEntry:
 
 
 def _answers(spec: AnswersSpec, tree: BodyTree) -> AnswersEntry:
+    placed = frames(tree, {})
+    ends = [_middle(placed, tree, limb) for limb in ("upper_arm", "upper_leg")]
     return AnswersEntry(
         to=spec.to,
         by=spec.by,
@@ -129,15 +134,8 @@ def _answers(spec: AnswersSpec, tree: BodyTree) -> AnswersEntry:
         delay_ms=spec.delay_ms,
         pause_ms=spec.pause_ms,
         yoked_ms=tuple(1000 * at_s for at_s in spec.yoked_s),
-        kick_m=KICK_TRUNK * _trunk_m(tree),
+        kick_m=KICK_TRUNK * float(np.linalg.norm(ends[0] - ends[1])),
     )
-
-
-def _trunk_m(tree: BodyTree) -> float:
-    """Return the distance between the middles of hips and shoulders, no joint turned."""
-    placed = frames(tree, {})
-    ends = [_middle(placed, tree, limb) for limb in ("upper_arm", "upper_leg")]
-    return float(np.linalg.norm(ends[0] - ends[1]))
 
 
 def _middle(placed: Mapping[str, Frame], tree: BodyTree, limb: str) -> FloatArray:
@@ -148,7 +146,6 @@ def _middle(placed: Mapping[str, Frame], tree: BodyTree, limb: str) -> FloatArra
 
 
 def _origins(spec: CaregiverSpec, entry: CaregiverEntry) -> dict[str, Entry]:
-    """Return an entry for each number that is derived."""
     key = "caregiver"
     scale = "its stature, by 163 cm: lengths of head and arms are about those of the mean woman (ANSUR, Gordon et al. "
     face = "a point between the infant's eyes, in half axes of its head (.94, 0, -.09)"

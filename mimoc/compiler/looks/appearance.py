@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from mimoc.compiler.looks.colours import Colour, inks_of
-from mimoc.compiler.looks.palettes import coloured_picture
+from mimoc.compiler.looks.colours import Colour, coloured_picture, inks_of
 from mimoc.compiler.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
 from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.looks import Clothes, LooksSpec

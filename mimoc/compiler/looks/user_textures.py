@@ -69,7 +69,13 @@ def _texture(file: Path, taken: set[str]) -> Wallpaper:
     image = _small(_decode(file))
     rows, columns, _ = image.shape
     tile_m = (LONGER_SIDE_M * columns / max(rows, columns), LONGER_SIDE_M * rows / max(rows, columns))
-    return Wallpaper(_name(file, taken), tile_m, encode_png(image))
+    # A name that is valid in MJCF and in every file system, and not taken.
+    slug = re.sub("[^a-z0-9]+", "_", file.stem.lower()).strip("_")[:40] or "texture"
+    name, number = f"own_{slug}", 1
+    while name in taken:
+        number += 1
+        name = f"own_{slug}_{number}"
+    return Wallpaper(name, tile_m, encode_png(image))
 
 
 def _decode(file: Path) -> Image.Image:
@@ -82,7 +88,10 @@ def _decode(file: Path) -> Image.Image:
             with Image.open(file, formats=["PNG"]) as image:
                 if image.width * image.height > MOST_PX:
                     raise TextureError(f"{file}: {_TOO_LARGE}")
-                return _rgb(image)
+                if image.mode.startswith("I"):  # 16 bits per channel, which Pillow would clip instead of scaling.
+                    return Image.fromarray((np.asarray(image).astype(np.uint32) >> 8).astype(np.uint8)).convert("RGB")
+                layer = image.convert("RGBA")
+                return Image.alpha_composite(Image.new("RGBA", layer.size, "white"), layer).convert("RGB")
     except TextureError:
         raise
     except Image.DecompressionBombError:
@@ -98,13 +107,6 @@ _ADVICE = "give a PNG file or a folder of PNG files"
 _TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; reduce it: {TILE_PX} px per side are enough"
 
 
-def _rgb(image: Image.Image) -> Image.Image:
-    if image.mode.startswith("I"):  # 16 bits per channel, which Pillow would clip instead of scaling.
-        return Image.fromarray((np.asarray(image).astype(np.uint32) >> 8).astype(np.uint8)).convert("RGB")
-    layer = image.convert("RGBA")
-    return Image.alpha_composite(Image.new("RGBA", layer.size, "white"), layer).convert("RGB")
-
-
 def _small(image: Image.Image) -> FloatArray:
     """Return an image of at most `TILE_PX` per side.
 
@@ -115,13 +117,3 @@ def _small(image: Image.Image) -> FloatArray:
         width, height = (max(1, round(side * TILE_PX / longer)) for side in image.size)
         image = image.resize((width, height), Image.Resampling.BOX)
     return np.asarray(image, np.float64)
-
-
-def _name(file: Path, taken: set[str]) -> str:
-    """Return a name that is valid in MJCF and in every file system, and not taken."""
-    slug = re.sub("[^a-z0-9]+", "_", file.stem.lower()).strip("_")[:40] or "texture"
-    name, number = f"own_{slug}", 1
-    while name in taken:
-        number += 1
-        name = f"own_{slug}_{number}"
-    return name

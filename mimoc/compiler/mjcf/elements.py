@@ -41,7 +41,6 @@ class PrintedGeom:
     group: int
     """0 for the body, 1 for geoms that are only seen."""
     settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +51,6 @@ class Site:
     pos_m: Vec3
     radius_m: float
     settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +97,6 @@ class Actuator:
     gear: float
     control_range: tuple[float, float]
     settings: tuple[tuple[str, tuple[float, ...]], ...]
-    """Its other attributes."""
     tone: tuple[float, ...] = ()
     """What a quiet infant's muscle tone adds, in proportion to arousal: to the three numbers of `biasprm`, or, as two
     numbers, to the stiffness of its hinge and to stiffness x rest angle. Empty is no tone."""

@@ -187,7 +187,6 @@ class Furniture:
     lights: tuple[SpotLight, ...] = ()
 
     def __add__(self, other: "Furniture") -> "Furniture":
-        """Return the things of both together."""
         return Furniture(
             self.geoms + other.geoms,
             self.materials + other.materials,

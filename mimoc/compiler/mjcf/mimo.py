@@ -58,7 +58,6 @@ def _moved(pos_m: tuple[float, float, float], chest: Body) -> tuple[float, float
 
 
 def _head_first(tree: BodyTree) -> BodyTree:
-    """Return the body with head and eyes right after the upper body."""
     heads = [body for body in tree.bodies if HEAD in (body.name, body.parent)]
     others = [body for body in tree.bodies if body not in heads]
     place = 1 + next(number for number, body in enumerate(others) if body.name == UPPER_BODY)
@@ -123,7 +122,6 @@ def pose_by_angle(keyframe: Keyframe, ranges_rad: Sequence[Range]) -> Keyframe:
 
 
 def _halves(range_rad: Range) -> Range:
-    """Return middle and half width."""
     low, high = range_rad
     return (low + high) / 2, (high - low) / 2
 

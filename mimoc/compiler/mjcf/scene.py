@@ -37,7 +37,6 @@ class Keyframe:
     name: str
     qpos: tuple[float, ...]
     settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +106,6 @@ class Placed:
     cameras: Mapping[str, tuple[Camera, ...]] = field(default_factory=dict)
     """Cameras by body, in place of those that the body has without the sense."""
     sensors: tuple[Sensor, ...] = ()
-    """Sensors to add."""
     arrays: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
     """Large arrays that the runtime must know; the bundle has `points_m` of touch as `touch/points_m`."""
     origins: Mapping[str, dict[str, Any]] = field(default_factory=dict)

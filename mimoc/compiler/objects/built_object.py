@@ -114,11 +114,9 @@ class Surroundings:
     """What objects are built for and placed among: the infant as it starts, and the floor."""
 
     tree: BodyTree
-    """The infant's body."""
     qpos: tuple[float, ...]
     """The state in which it starts, in the world."""
     start: Placement
-    """Where it starts."""
     half_size_m: tuple[float, float]
     """Of the floor, from its middle at the origin."""
     has_floor: bool
@@ -158,3 +156,8 @@ class Surroundings:
         part = self.part(name)
         extents = np.array([part.extents.along(part.rotations[:, axis]) for axis in range(3)]).T
         return (part.centres - extents).min(axis=0), (part.centres + extents).max(axis=0)
+
+
+def object_name(name: str) -> str:
+    """Return the name of an object's outermost body, with which the names of all else of it begin."""
+    return f"object_{name}"

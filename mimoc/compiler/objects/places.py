@@ -125,7 +125,10 @@ def find_place(spec: ObjectSpec, built: BuiltObject, around: Surroundings) -> Sp
 def _spot(search: Search) -> Spot:
     spec = search.spec
     if spec.above is not None:
-        return _above(search, spec.above)
+        low, high = search.box(spec.above, "above")
+        height_cm = HEIGHT_CM if search.spec.height_cm is None else search.spec.height_cm
+        (x_m, y_m, _), z_m = ((low + high) / 2).tolist(), float(high[2])
+        return Spot((x_m, y_m, z_m + cm_to_m(height_cm)), f"{height_cm:g} cm above {search.named(spec.above)}")
     if isinstance(spec.at, PointSpec):
         return _at_point(search, spec.at)
     if spec.at is None:
@@ -135,16 +138,7 @@ def _spot(search: Search) -> Spot:
     return finders[relation](search, name)
 
 
-def _above(search: Search, name: str) -> Spot:
-    """Return the place above the middle of a part of the infant or of an object."""
-    low, high = search.box(name, "above")
-    height_cm = HEIGHT_CM if search.spec.height_cm is None else search.spec.height_cm
-    (x_m, y_m, _), z_m = ((low + high) / 2).tolist(), float(high[2])
-    return Spot((x_m, y_m, z_m + cm_to_m(height_cm)), f"{height_cm:g} cm above {search.named(name)}")
-
-
 def _at_point(search: Search, point: PointSpec) -> Spot:
-    """Return a place by its coordinates."""
     start, yaw_rad = search.around.start, 0.0
     x_m, y_m = cm_to_m(point.x_cm), cm_to_m(point.y_cm)
     if point.frame == "infant":
@@ -157,7 +151,6 @@ def _at_point(search: Search, point: PointSpec) -> Spot:
 
 
 def _on(search: Search, name: str) -> Spot:
-    """Return the place on the middle of another object."""
     thing = search.thing(name)
     if thing is None:
         raise search.refusal("at", f"there is no object '{name}' before this one that it could be on")
@@ -191,8 +184,10 @@ def _within_reach(search: Search, name: str) -> Spot:
 def _in_front(search: Search, name: str) -> Spot:
     """Return the first free place where a part faces; in the air for what does not lie."""
     part = search.part(name, "at")
+    # The part whose direction is meant: its own of head and trunk, the chest's of limbs.
+    region = next(body.region for body in search.around.tree.bodies if body.name == search.around.tree.home(part))
     towards, words = (
-        search.around.frames[search.around.tree.home(_facing(search, part))][1][:, 0],
+        search.around.frames[search.around.tree.home(MIDDLE if region == "limb" else part)][1][:, 0],
         f"in front of {search.named(name)}",
     )
     distance_cm = DISTANCE_CM if search.spec.distance_cm is None else search.spec.distance_cm
@@ -233,9 +228,3 @@ def _along(search: Search, part: str, towards: FloatArray, distance_cm: float, w
             z_m = search.support_m(x_m, y_m, "at") if search.rests else float(start_m[2] - search.built.height_m / 2)
             return Spot((x_m, y_m, max(z_m, 0.0)), words)
     raise search.refusal("at", f"there is no free place {words}; give coordinates")
-
-
-def _facing(search: Search, part: str) -> str:
-    """Return the part whose direction is meant: its own of head and trunk, the chest's of limbs."""
-    region = next(body.region for body in search.around.tree.bodies if body.name == search.around.tree.home(part))
-    return MIDDLE if region == "limb" else part

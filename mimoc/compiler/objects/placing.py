@@ -4,14 +4,21 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from mimoc.base.errors import ObjectError
-from mimoc.base.geometry.rotations import Vec3, matrix_from_axis, quaternion_from_axis, quaternion_product
+from mimoc.base.geometry.rotations import (
+    matrix_from_axis,
+    matrix_from_quaternion,
+    quaternion_from_axis,
+    quaternion_product,
+)
 from mimoc.base.kinds import function_of
 from mimoc.body.origins import Entry
-from mimoc.compiler.mjcf.world import ObjectBody, PlacedObject
-from mimoc.compiler.objects.built_object import BuiltObject, PlacedThing, Surroundings
+from mimoc.compiler.mjcf.sensor_sites import PREFIX, keypoint_sites
+from mimoc.compiler.mjcf.world import ObjectBody, PlacedObject, Ribbon
+from mimoc.compiler.objects.built_object import BuiltObject, PlacedThing, Surroundings, Tie
 from mimoc.compiler.objects.places import WHOLE, Spot, find_place
-from mimoc.compiler.objects.ribbon import tie_ribbon
 from mimoc.schema.components.objects import OBJECTS
 from mimoc.schema.object_base import ObjectEntry, ObjectSpec
 
@@ -46,7 +53,9 @@ def place_objects(objects: Sequence[ObjectSpec], infants: Mapping[str, Surroundi
 
 def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundings) -> PlacedThing:
     pos_m, yaw_rad = spot.pos_m, math.radians(spec.yaw_deg) + spot.yaw_rad
-    root = _moved(built.root, pos_m, yaw_rad)
+    x, y, z = (matrix_from_axis(UP, yaw_rad) @ built.root.pos_m + pos_m).tolist()
+    turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), built.root.quat)
+    root = replace(built.root, pos_m=(x, y, z), quat=turn)
     ribbons = (tie_ribbon(built.tie, root, around),) if built.tie else ()
     bodies = tuple(root.subtree())
     entry = ObjectEntry(
@@ -73,13 +82,6 @@ def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundin
     return PlacedThing(spec.name, built, elements, entry, pos_m, yaw_rad)
 
 
-def _moved(root: ObjectBody, pos_m: Vec3, yaw_rad: float) -> ObjectBody:
-    """Return the outermost body of an object in the world, from its place in the object's own frame."""
-    x, y, z = (matrix_from_axis(UP, yaw_rad) @ root.pos_m + pos_m).tolist()
-    turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), root.quat)
-    return replace(root, pos_m=(x, y, z), quat=turn)
-
-
 def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:
     """Return an entry for each number of each object, by key in `provenance.json`."""
     return {key: entry for number, thing in enumerate(things) for key, entry in _trace(number, thing)}
@@ -92,3 +94,26 @@ def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
     place: Entry = {"value": thing.elements.root.pos_m, "unit": "m", "rule": rule}
     entries = [(f"{key}.pos", {**place, "from": source, "xml": f"{at}/@pos"})]
     return [*entries, *((f"{key}.{end}", entry) for end, entry in thing.built.origins.items())]
+
+
+KEYPOINTS = {"foot": "Ankle", "hand": "Wrist"}
+"""Where a ribbon is tied, by what the name of the limb ends with."""
+
+
+def tie_ribbon(tie: Tie, root: ObjectBody, around: Surroundings) -> Ribbon:
+    """Return the ribbon of an object whose outermost body is in the world.
+
+    Raises:
+        ObjectError: If the infant has no such limb.
+    """
+    side, _, limb = tie.limb.partition("_")
+    name = f"{PREFIX}{side[0].upper()}{KEYPOINTS[limb]}"
+    places = {site.name: (body, site) for body, sites in keypoint_sites(around.tree).items() for site in sites}
+    if name not in places:
+        raise ObjectError("tied_to", f"this infant has no {tie.limb}; tie it to another limb, or leave this out")
+    body, site = places[name]
+    origin, turn = around.frames[body]
+    (start,) = (mine for mine in root.sites if mine.name == tie.site)
+    start_m = matrix_from_quaternion(root.quat) @ start.pos_m + root.pos_m
+    way_m = float(np.linalg.norm(origin + turn @ site.pos_m - start_m))
+    return Ribbon(f"{root.name}_ribbon", (tie.site, around.prefix + name), (0.0, way_m + tie.slack_m), tie.rgba)

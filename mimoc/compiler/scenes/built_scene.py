@@ -50,7 +50,6 @@ class BuiltScene:
 
     world: World
     start: Placement = ORIGIN
-    """Where the infant is."""
     half_size_m: tuple[float, float] = ENDLESS_M
     """Of the floor that toys can be on, at z = 0, from its middle at the origin."""
     origins: Mapping[str, Entry] = field(default_factory=dict)

@@ -65,7 +65,6 @@ def arm_of(tree: BodyTree, state: Sequence[float], side: str) -> Arm | None:
 
 
 def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:
-    """Return a body in the world."""
     hip, turn = hip_in_world(state)
     posed = pose(tree, dict(zip(tree.joints, state[7:], strict=True)))
     return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.rotations)
@@ -78,7 +77,6 @@ def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:
 
 
 def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
-    """Return the distance from a shoulder to the tip of its hand."""
     shoulder = _shoulder(posed, upper_arm)
     of_side = [(index, geom.name) for index, geom in enumerate(posed.geoms) if side in geom.name]
     arm = posed.only([index for index, name in of_side if not any(part in name for part in NOT_OF_ARMS)])

@@ -25,7 +25,6 @@ class Toybox:
     """A set of toys to choose from."""
 
     names: Sequence[str]
-    """Names of the toys."""
     load: Callable[[str], ToyModel]
     """Function that returns the shape of a toy by its name."""
     notes: tuple[str, ...] = ()

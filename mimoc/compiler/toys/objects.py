@@ -97,7 +97,6 @@ def mjcf_name(text: str) -> str:
 
 
 def _looks(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, MeshFile]]:
-    """Yield the visual geoms of a toy, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"{meshes}_{part.tint}", part.mesh, toy.size_m, "shell")
         names, material = (("mesh", mesh.name),), f"{name}_{part.tint}"
@@ -137,7 +136,6 @@ def _solids(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, Mesh
 
 
 def _mesh(name: str, mesh: Mesh, size_m: float, inertia: str) -> MeshFile:
-    """Return the OBJ file of a scaled mesh."""
     vertices = "\n".join(map("v {0[0]:.6f} {0[1]:.6f} {0[2]:.6f}".format, (mesh.vertices * size_m).tolist()))
     faces = "\n".join(map("f {0[0]} {0[1]} {0[2]}".format, (mesh.faces + 1).tolist()))
     return MeshFile(name, f"assets/{name}.obj", f"{vertices}\n{faces}\n".encode(), inertia)

@@ -73,7 +73,10 @@ def place_toys(
     for index, radius_m in enumerate(radii_m):
         for _ in range(BATCHES):
             drawn = reach.draw(BATCH, generator)
-            free = np.flatnonzero(_is_free(drawn, radius_m, floor.half_size_m, np.array(taken).reshape(-1, 3)))
+            taken_m = np.array(taken).reshape(-1, 3)
+            inside = (np.abs(drawn) + radius_m + GAP_M <= floor.half_size_m).all(axis=1)
+            gaps_m = np.linalg.norm(drawn[:, None] - taken_m[:, :2], axis=2) - taken_m[:, 2] - radius_m
+            free = np.flatnonzero(inside & (gaps_m >= GAP_M).all(axis=1))
             if free.size:
                 break
         else:
@@ -81,11 +84,3 @@ def place_toys(
         places[index] = drawn[free[0]]
         taken.append((*places[index], radius_m))
     return places
-
-
-def _is_free(
-    places_m: FloatArray, radius_m: float, half_size_m: tuple[float, float], taken_m: FloatArray
-) -> npt.NDArray[np.bool_]:
-    inside = (np.abs(places_m) + radius_m + GAP_M <= half_size_m).all(axis=1)
-    gaps_m = np.linalg.norm(places_m[:, None] - taken_m[:, :2], axis=2) - taken_m[:, 2] - radius_m
-    return inside & (gaps_m >= GAP_M).all(axis=1)

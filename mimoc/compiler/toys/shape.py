@@ -85,7 +85,6 @@ class ToyModel:
     category: str
     """Category of the object, as in Toys4K, such as `truck`."""
     parts: tuple[Part, ...]
-    """Its visible parts."""
     solids: tuple[Solid, ...]
     """Its collision shapes."""
     volume: float
@@ -124,7 +123,6 @@ def solid_volume(solid: Solid) -> float:
 
 
 def _extents(solid: Solid) -> Extents:
-    """Return the extents of a single primitive."""
     return extents([(_kind(solid), solid.size)])
 
 

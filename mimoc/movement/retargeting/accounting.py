@@ -32,17 +32,7 @@ def account_of(
     seconds: float,
     notes: tuple[str, ...],
 ) -> Account:
-    """Return the account of a fit.
-
-    Args:
-        setting: What was fitted.
-        problem: The last problem.
-        state: Its solution.
-        sure: How sure it is.
-        fitted: Where the points of the model are, as the recording has them, shape (t, k, 2) or (t, k, 3).
-        seconds: Processor time.
-        notes: What was assumed.
-    """
+    """Return the account of a fit, by its last problem and solution, with *fitted* points as the recording has them."""
     recording, hinges = setting.recording, setting.hinges
     seen = (problem.observed.weight > 0) & np.isfinite(fitted).all(-1)
     distance = np.linalg.norm(fitted - problem.observed.places, axis=-1)
@@ -56,6 +46,9 @@ def account_of(
     if unseen:
         named = ", ".join(name.removeprefix("robot:") for name in unseen)
         notes = (*notes, f"{NOT_SEEN}: {named}")
+    angles = state.x[:, ROOT:]
+    touched = (angles < problem.low + TOUCHED_RAD) | (angles > problem.high - TOUCHED_RAD)
+    shares = dict(zip(hinges.names, touched.mean(axis=0).tolist(), strict=True))
     return Account(
         unit=recording.unit,
         error_median=float(np.median(distance[seen])),
@@ -73,7 +66,7 @@ def account_of(
         angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * np.abs(hinges.factor),
         depth_sd_m=dict(zip(names, np.median(wide.depth_sd_m, axis=0).tolist(), strict=True)),
         unseen=unseen,
-        limits_touched=_touched(problem, state, hinges.names),
+        limits_touched={name: share for name, share in shares.items() if share},
         frames=recording.frames,
         seconds=seconds,
         notes=notes,
@@ -105,10 +98,3 @@ def _unseen(setting: Setting, sure: Uncertainty, joints: tuple[str, ...]) -> tup
     usual = np.array([item.sd for item in usual_of(setting.hinges)[ROOT:]])
     unseen = np.median(sure.angle_sd_rad, axis=0) > UNSEEN * usual
     return tuple(name for name, column in zip(joints, setting.hinges.column, strict=True) if unseen[column])
-
-
-def _touched(problem: Problem, state: State, names: tuple[str, ...]) -> dict[str, float]:
-    angles = state.x[:, ROOT:]
-    touched = (angles < problem.low + TOUCHED_RAD) | (angles > problem.high - TOUCHED_RAD)
-    shares = dict(zip(names, touched.mean(axis=0).tolist(), strict=True))
-    return {name: share for name, share in shares.items() if share}

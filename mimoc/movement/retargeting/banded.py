@@ -95,11 +95,7 @@ class Factored:
     h: FloatArray
 
     def step(self, free: BoolArray) -> tuple[FloatArray, FloatArray]:
-        """Return the steps of frames, shape (t, n), and of what they share, shape (s,).
-
-        Args:
-            free: Which of what frames share may change, shape (s,), boolean.
-        """
+        """Return the steps of frames, shape (t, n), and of what they share, (s,), of which only *free* may change."""
         shared = np.zeros(len(self.h))
         if free.any():
             right = np.einsum("tns,tn->s", self.border, self.inverse_g) - self.h

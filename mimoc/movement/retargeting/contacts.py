@@ -107,7 +107,8 @@ def spheres_of(model: mujoco.MjModel) -> list[Sphere]:
     for name in ("lb", "ub2", "ub3"):
         geom = model.geom(name)
         radius_m, half_m = geom.size[:2]
-        axis = _axis(geom.quat)
+        axis = np.zeros(3)
+        mujoco.mju_rotVecQuat(axis, np.array([0.0, 0.0, 1.0]), geom.quat)
         for end in (-1, 1):
             point = BodyPoint(int(geom.bodyid[0]), geom.pos + end * half_m * axis)
             spheres.append(Sphere(name, point, float(radius_m)))
@@ -122,13 +123,7 @@ def spheres_of(model: mujoco.MjModel) -> list[Sphere]:
 
 
 def contacts_of(spheres: list[Sphere], first: int, resting_m: FloatArray | None) -> Contacts:
-    """Return what may touch what: hands keep out of trunk and head, and legs out of each other.
-
-    Args:
-        spheres: The spheres.
-        first: How many points come before them.
-        resting_m: Heights of the spheres of the infant at rest on the floor; None for one who does not lie.
-    """
+    """Return what may touch what: hands keep out of trunk and head, and legs out of each other."""
     names = [sphere.name for sphere in spheres]
     place = {name: index for index, name in enumerate(names)}
     lying = ()
@@ -160,9 +155,3 @@ def _thickness(model: mujoco.MjModel, body: int) -> float:
     geom = int(model.body_geomadr[body])
     size = model.geom_size[geom]
     return float(size.min() if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_BOX else size[0])
-
-
-def _axis(quaternion: FloatArray) -> FloatArray:
-    axis = np.zeros(3)
-    mujoco.mju_rotVecQuat(axis, np.array([0.0, 0.0, 1.0]), quaternion)
-    return axis

@@ -46,13 +46,10 @@ class RetargetedFolder:
     """What is in the folder of a retargeted recording."""
 
     path: Path
-    """The folder."""
     bundle: Bundle
-    """The child, compiled."""
     motion: JointMotion
     """Its motion, at the frames of the recording."""
     recording: PointRecording
-    """The points as they were recorded."""
     fitted: PointRecording
     """Where those of the child are; NaN for points that it does not have."""
     account: Mapping[str, Any]
@@ -85,16 +82,23 @@ def write_retargeted(
     """
     target = check_writable(out, force)
     with staged_folder(target, force=force) as staging:
-        _fill(staging, retargeted, progress)
+        bundle, recording = retargeted.bundle, retargeted.recording
+        motion = motion_of(load_model(bundle), bundle.manifest.root_body, retargeted.qpos, retargeted.rate_hz)
+        record_motion(bundle, motion, staging, progress)
+        write_file(staging / CHILD, bundle.files[SPEC_FILE])
+        write_file(staging / MOTION, pack_motion(motion))
+        seen = np.isfinite(retargeted.fitted).all(axis=-1).astype(float)
+        fitted = replace(recording, positions=retargeted.fitted, confidence=seen, depth_m=None, notes=())
+        for name, points in ((POINTS, recording), (FITTED, fitted)):
+            write_file(staging / name, read_npz.pack(points))
+        account = json.dumps(retargeted.account.to_data(), ensure_ascii=False, indent=1, allow_nan=False)
+        write_file(staging / ACCOUNT, f"{account}\n".encode())
+        write_file(staging / README, _readme(retargeted, motion).encode())
     return target
 
 
 def altered(retargeted: Retargeted, senses: Sequence[str] | None, actuation: str | None) -> Retargeted:
-    """Return the same motion of a child with other senses, by name, or another actuation model; None leaves them.
-
-    Raises:
-        SpecError: If there is no such sense or actuation model.
-    """
+    """Return a motion's child with other senses or actuation model, None for the same, or raise a SpecError."""
     changes: dict[str, Any] = {}
     if senses is not None:
         changes["senses"] = {name: {} for name in senses} | {
@@ -109,11 +113,7 @@ def altered(retargeted: Retargeted, senses: Sequence[str] | None, actuation: str
 
 
 def check_writable(out: str | Path, force: bool) -> Path:
-    """Check that a retargeted recording can be written to a folder; return its path.
-
-    Raises:
-        OutputError: If it holds anything that is not to be replaced, or cannot be written.
-    """
+    """Return the path of a folder for a retargeted recording, or raise an OutputError if it holds anything to keep."""
     target = Path(out).expanduser()
     check_place(target)
     if not os.path.lexists(target):
@@ -175,23 +175,7 @@ def _account(path: Path) -> Mapping[str, Any]:
     return account
 
 
-def _fill(folder: Path, retargeted: Retargeted, progress: Progress) -> None:
-    bundle, recording = retargeted.bundle, retargeted.recording
-    motion = motion_of(load_model(bundle), bundle.manifest.root_body, retargeted.qpos, retargeted.rate_hz)
-    record_motion(bundle, motion, folder, progress)
-    write_file(folder / CHILD, bundle.files[SPEC_FILE])
-    write_file(folder / MOTION, pack_motion(motion))
-    seen = np.isfinite(retargeted.fitted).all(axis=-1).astype(float)
-    fitted = replace(recording, positions=retargeted.fitted, confidence=seen, depth_m=None, notes=())
-    for name, points in ((POINTS, recording), (FITTED, fitted)):
-        write_file(folder / name, read_npz.pack(points))
-    account = json.dumps(retargeted.account.to_data(), ensure_ascii=False, indent=1, allow_nan=False)
-    write_file(folder / ACCOUNT, f"{account}\n".encode())
-    write_file(folder / README, _readme(retargeted, motion).encode())
-
-
 def _readme(retargeted: Retargeted, motion: JointMotion) -> str:
-    """Return what the folder says of itself."""
     child, account = retargeted.bundle.manifest.child, retargeted.account
     error = 100 * account.error_median / account.trunk
     size = f"{child.length_cm:.0f} cm long" if account.size_is_known else SCALE_NOT_KNOWN

@@ -35,10 +35,8 @@ def record_motion(
 ) -> None:
     """Record a motion in a new or empty folder.
 
-    Raises:
-        MimocError: If the infant lacks a joint of the motion, or its task ends its episodes before the motion.
-        RecordingError: If it cannot be recorded there.
-        RenderingError: If the infant has vision, and there is no OpenGL here.
+    Raises a MimocError if the infant lacks a joint of it or its task ends before it, and a RecordingError or
+    RenderingError.
     """
     env = InfantEnv(bundle)
     try:
@@ -62,7 +60,6 @@ def record_motion(
 
 
 def _limits(env: InfantEnv) -> FloatArray:
-    """Return the largest force or torque at each degree of freedom, shape (nv,)."""
     model, actuation = env.model, env.actuation
     weight_n = -float(model.opt.gravity[2]) * float(model.body_subtreemass[model.body(env.manifest.root_body).id])
     limits = np.full(model.nv, WEIGHTS * weight_n * LEVER_M)

@@ -52,19 +52,13 @@ OVERALL_LEAST = 0.02
 
 
 def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncertainty) -> Uncertainty:
-    """Return how sure a fit to one camera is.
+    """Return how sure a fit to one camera is, from how sure its solution is by its Hessian.
 
     With the calibrated factor v of a hinge, its variance is v^2 (H + A): H is that of the Hessian with `MODEL_OF_TRUNK`
     added to the noise, and without the limits of joints, for a solution at a limit need not be there; A is the mean
-    square distance of postures that look alike, `spread_of_alike`. The
-    variance of the logarithm of a length is that of overall size, if nothing tells it, and that of the bodies of
-    children, times a calibrated factor: one camera tells next to nothing of lengths.
-
-    Args:
-        setting: What was fitted.
-        problem: The last problem.
-        state: Its solution.
-        sure: How sure it is by its Hessian.
+    square distance of postures that look alike, `spread_of_alike`. The variance of the logarithm of a length is that of
+    overall size, if nothing tells it, and that of the bodies of children, times a calibrated factor: one camera tells
+    next to nothing of lengths.
     """
     trunk, boundless = setting.recording.trunk, np.full_like(problem.low, np.inf)
     observed = replace(problem.observed, noise=float(np.hypot(problem.observed.noise, MODEL_OF_TRUNK * trunk)))

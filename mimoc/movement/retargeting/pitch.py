@@ -38,7 +38,6 @@ class Pitch:
 
     deg: Interval
     note: str
-    """What is said of it."""
 
 
 def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float | None) -> Pitch:
@@ -46,18 +45,21 @@ def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float 
 
     For the angle t, rays to neck, shoulders and hips meet the floor at z_k(t), complex numbers; those of the average
     child who lies are w_k. Their distance is min_a |a z(t) - w|, the median over frames d(t), over the trunk's length;
-    the likelihood of t is exp(-d(t)^2 / (2 sd^2)), with the SD of proportions of bodies.
-
-    Args:
-        recording: The recording.
-        model: The child that the fit starts from.
-        given_deg: The angle, if it is known.
-
-    Raises:
-        RecordingError: If the angle is impossible, or the trunk were above the horizon then.
+    the likelihood of t is exp(-d(t)^2 / (2 sd^2)), with the SD of proportions of bodies. Raises a RecordingError if the
+    angle is impossible, or the trunk were above the horizon then.
     """
     if given_deg is not None:
-        return _given(recording, given_deg)
+        if recording.unit == "m":
+            raise RecordingError(f"{recording.name}: points in space have no camera; leave camera_pitch_deg= out")
+        if not 0 < given_deg <= STRAIGHT_DOWN_DEG:
+            raise RecordingError(
+                f"camera_pitch_deg={given_deg:g}: give degrees below the horizon, above 0 and up to 90"
+            )
+        trunk = recording.select(TRUNK).filled()
+        if not np.isfinite(on_ground(trunk, camera_from_world(given_deg))[np.isfinite(trunk.positions).all(-1)]).all():
+            reason = f"with camera_pitch_deg={given_deg:g} the trunk would be above the horizon in some frames"
+            raise RecordingError(f"{recording.name}: {reason}; give the angle by which the camera looks down")
+        return Pitch(Interval(given_deg, given_deg, given_deg), GIVEN.format(deg=given_deg))
     straight = Pitch(Interval(STRAIGHT_DOWN_DEG, STRAIGHT_DOWN_DEG, STRAIGHT_DOWN_DEG), STRAIGHT)
     names = (*TRUNK, *SHOULDERS)
     if recording.unit == "m" or not {*names} <= {*recording.names} or not all(body_points(model, names)):
@@ -75,18 +77,6 @@ def pitch_of(recording: PointRecording, model: mujoco.MjModel, given_deg: float 
     low, high = (CANDIDATES_DEG[np.searchsorted(shares / shares[-1], q)] for q in ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     deg = Interval(float(CANDIDATES_DEG[best]), float(min(low, CANDIDATES_DEG[best])), float(high))
     return Pitch(deg, SLANTED.format(deg=deg.value, low=deg.low, high=deg.high))
-
-
-def _given(recording: PointRecording, deg: float) -> Pitch:
-    if recording.unit == "m":
-        raise RecordingError(f"{recording.name}: points in space have no camera; leave camera_pitch_deg= out")
-    if not 0 < deg <= STRAIGHT_DOWN_DEG:
-        raise RecordingError(f"camera_pitch_deg={deg:g}: give degrees below the horizon, above 0 and up to 90")
-    trunk = recording.select(TRUNK).filled()
-    if not np.isfinite(on_ground(trunk, camera_from_world(deg))[np.isfinite(trunk.positions).all(-1)]).all():
-        reason = f"with camera_pitch_deg={deg:g} the trunk would be above the horizon in some frames"
-        raise RecordingError(f"{recording.name}: {reason}; give the angle by which the camera looks down")
-    return Pitch(Interval(deg, deg, deg), GIVEN.format(deg=deg))
 
 
 def _distance(ground: FloatArray, lying_m: FloatArray) -> float:

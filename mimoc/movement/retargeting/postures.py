@@ -40,13 +40,9 @@ def likely_postures(
     whose sum of squares is least (Viterbi): of distances from what is seen, of depth below the floor, and of movement
     from frame to frame.
 
-    Args:
-        skeleton: The infant.
-        shape: Its sizes.
-        observed: The recording.
-        x: Unknowns with the root in place, shape (t, n).
-        bounds: Standard deviation, least and largest angle of each hinge unknown, shape (u,).
-        scale: Trunk in the unit of the recording, height of the camera, and frames per second.
+    The unknowns x have the root in place, shape (t, n); bounds are standard deviation, least and largest angle of each
+    hinge unknown, shape (u,), and scale the trunk in the unit of the recording, the height of the camera, and frames
+    per second.
     """
     result = x.copy()
     for columns in _limbs(skeleton.hinges.names):
@@ -73,16 +69,8 @@ def spread_of_alike(
     It is the root of the weighted mean square over a library of postures of each limb; of the squares d^2 of distances
     of their points from the fitted ones, as they are seen and over `ALIKE_OF_TRUNK`, weights are exp(-sum d^2 / 2). A
     limb that points to the camera looks like one that points away, so this is wide where the Hessian of a fit is not.
-    Hinges of the trunk are in no limb: 0.
-
-    Args:
-        skeleton: The infant.
-        shape: Its sizes.
-        observed: The recording.
-        x: The fitted unknowns, shape (t, n).
-        bounds: As of `likely_postures`.
-        scale: As of `likely_postures`.
-        centre: Usual angles, shape (u,).
+    Hinges of the trunk are in no limb: 0. See `likely_postures` for the arguments; *centre* are usual angles, shape
+    (u,).
     """
     trunk, height_m, rate_hz = scale
     frames = np.unique(np.r_[0 : len(x) : max(1, round(rate_hz / ALIKE_HZ)), len(x) - 1])
@@ -165,7 +153,6 @@ def _library(x: FloatArray, columns: IntArray, sd: FloatArray, low: FloatArray, 
 
 
 def _limbs(names: tuple[str, ...]) -> list[IntArray]:
-    """Return the unknowns of each limb and of the head."""
     groups: dict[str, list[int]] = {}
     for index, name in enumerate(names):
         side, _, part = name.removeprefix("robot:").partition("_")

@@ -57,7 +57,6 @@ class Account:
     """Whether depth, points in space or the camera's height give absolute size; otherwise the average child of the
     age is assumed, and only proportions come from the recording."""
     lengths_m: Mapping[str, Interval]
-    """Lengths of the child, by part."""
     camera_height_m: Interval | None
     """Height of the camera above the floor; None for points in space."""
     joints: tuple[str, ...]
@@ -128,11 +127,8 @@ class Retargeted:
     """The child in a recording, and its motion; the recording has t frames and k points."""
 
     recording: PointRecording
-    """As it was read."""
     spec: InfantSpec
-    """The child."""
     bundle: Bundle
-    """The child, compiled."""
     rate_hz: float
     """Frames per second, those of the recording."""
     qpos: FloatArray

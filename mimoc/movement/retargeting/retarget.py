@@ -12,10 +12,9 @@ from mimoc.base.classes import takes
 from mimoc.base.errors import RecordingError, check_name
 from mimoc.motion.point_recording import PointRecording
 from mimoc.movement.retargeting.accounting import account_of
-from mimoc.movement.retargeting.fitting import Problem, State
+from mimoc.movement.retargeting.fitting import Problem, Run, State
 from mimoc.movement.retargeting.observations import OUTLIER
 from mimoc.movement.retargeting.result import Retargeted
-from mimoc.movement.retargeting.running import Run
 from mimoc.movement.retargeting.setting import (
     Noise,
     Setting,
@@ -130,11 +129,7 @@ def _result(
 
 
 def check(recording: PointRecording) -> None:
-    """Check that a recording tells enough for a fit.
-
-    Raises:
-        RecordingError: If not.
-    """
+    """Check that a recording tells enough for a fit; raise a RecordingError if not."""
     missing = [name for name in TRUNK if name not in recording.names]
     if missing:
         raise RecordingError(
@@ -157,16 +152,11 @@ def check(recording: PointRecording) -> None:
 
 
 def _stated(spec: InfantSpec | None) -> str | None:
-    """Return the pose that a spec states; None if it leaves it open."""
     return spec.scene.pose if spec and "pose" in spec.scene.model_fields_set else None
 
 
 def _check_pose(setting: Setting, pose: str | None) -> None:
-    """Check that an infant lies as it is said to; of pixels alone, readers have asked whether it is seen from behind.
-
-    Raises:
-        RecordingError: If it lies the other way round in nearly all frames.
-    """
+    """Raise a RecordingError if an infant lies otherwise than it is said to; of pixels alone, readers have asked."""
     recording, start = setting.recording, setting.start
     in_space = recording.unit == "m" or recording.depth_m is not None
     pose = pose or ("supine" if in_space else None)
@@ -187,7 +177,6 @@ def _name(recording: PointRecording) -> str:
 
 
 def _first_fit(setting: Setting, run: Run) -> tuple[State, Noise]:
-    """Return the fit to some frames, from likely postures on, and the noise."""
     thin = setting.recording.window(0, setting.recording.frames, setting.every)
     noise = usual_noise(setting.recording)
     problem = problem_of(setting, thin, noise)
@@ -219,6 +208,5 @@ def _scaled(state: State, factor: float) -> State:
 
 
 def _rescaled(noise: Noise, sure: Uncertainty) -> Noise:
-    """Return the noise that differences have."""
     factors = (*sure.noise, 1.0)
     return Noise(max(noise.places * factors[0], noise.least), max(noise.depth_m * factors[1], 1e-4), noise.least)

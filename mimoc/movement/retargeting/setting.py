@@ -12,7 +12,6 @@ from mimoc.movement.retargeting import prior
 from mimoc.movement.retargeting.banded import BoolArray
 from mimoc.movement.retargeting.contacts import contacts_of, spheres_of
 from mimoc.movement.retargeting.fitting import Problem, State
-from mimoc.movement.retargeting.hinges import combined_limits, hinges_of
 from mimoc.movement.retargeting.observations import Observed, camera_from_world
 from mimoc.movement.retargeting.pitch import Pitch, pitch_of
 from mimoc.movement.retargeting.postures import likely_postures
@@ -28,7 +27,16 @@ from mimoc.movement.retargeting.sizes import (
     matched,
     shape_of,
 )
-from mimoc.movement.retargeting.skeleton import ROOT, Hinges, Shape, Skeleton, carrying, matrix_of
+from mimoc.movement.retargeting.skeleton import (
+    ROOT,
+    Hinges,
+    Shape,
+    Skeleton,
+    carrying,
+    combined_limits,
+    hinges_of,
+    matrix_of,
+)
 from mimoc.movement.retargeting.start import TRUNK, Start, start_of
 
 THIN_HZ = 7.5
@@ -84,7 +92,6 @@ class Setting:
     child: Child
     hinges: Hinges
     rest: FloatArray
-    """The resting configuration, shape (nq,)."""
     sizes: tuple[Size, ...]
     shape: Shape
     """At the child's sizes."""
@@ -92,7 +99,6 @@ class Setting:
     height_m: float | None
     """Height of the camera, if it is known."""
     pitch: Pitch
-    """How far the camera looks down."""
     height_factors: tuple[float, float]
     """Least and largest factor on its height that this leaves, where it is estimated."""
     logs: FloatArray
@@ -111,11 +117,7 @@ class Setting:
         return self.sees_size or self.length_cm is not None
 
     def shared_sd(self, as_sure: float = 1.0) -> FloatArray:
-        """Return the standard deviation of the height and of the logarithms of sizes, shape (1 + s,).
-
-        Args:
-            as_sure: How many times as sure as usual sizes are taken to be.
-        """
+        """Return the SD of height and logarithms of sizes, (1 + s,), taken *as_sure* times as sure as usual."""
         height_m = HEIGHT_SD_M if self.height_m is None else KNOWN_SD_M
         overall = OVERALL_SD if self.length_cm is None else LENGTH_SD
         return np.array([height_m, overall, *(size.sd / as_sure for size in self.sizes)])
@@ -161,17 +163,7 @@ class Setting:
 def setting_of(
     recording: PointRecording, child: Child, height_m: float | None, pitch_deg: float | None = None
 ) -> Setting:
-    """Return what a fit is of.
-
-    Args:
-        recording: The recording.
-        child: The child that the fit starts from.
-        height_m: Height of the camera above the floor, if it is known.
-        pitch_deg: Angle by which the camera looks down, below the horizon, if it is known.
-
-    Raises:
-        RecordingError: If the camera cannot look down by this angle.
-    """
+    """Return what a fit is of; a known *pitch_deg* is below the horizon, a RecordingError if impossible."""
     model = child.model
     seen = np.isfinite(recording.positions).all(-1) & (recording.confidence > 0)
     on_body = body_points(model, recording.names)
@@ -186,7 +178,8 @@ def setting_of(
     shape = shape_of(child, lambda other: _points(other, names), SIZES)
     moved = [_moves(model, points, shape, 2 + index, len(names)) for index in range(len(SIZES))]
     sizes = tuple(size for size, moves in zip(SIZES, moved, strict=True) if moves)
-    shape = _chosen(shape, [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)])
+    columns = [0, 1, *(2 + index for index, moves in enumerate(moved) if moves)]
+    shape = Shape(shape.bodies_m[..., columns], shape.anchors_m[..., columns], shape.points_m[..., columns])
     pitch = pitch_of(recording, model, pitch_deg)
     trunk = _resting(model, rest, [point for point in body_points(model, TRUNK) if point])
     root = rest[:3], matrix_of(rest[3:7])
@@ -212,6 +205,8 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
     low, high = prior.limits(model, hinges)
     sums, bounds = combined_limits(model, hinges)
     usual = np.concatenate([np.median(start.root, axis=0), prior.posture(model, hinges, setting.rest)])
+    # Keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known.
+    weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
     return Problem(
         skeleton=skeleton,
         shape=setting.shape,
@@ -226,7 +221,7 @@ def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Pro
         sum_bounds=bounds,
         shared_mean=np.array([start.height_m, *(-setting.logs)]),
         shared_sd=setting.shared_sd(1.0 if observed.tells_size else AS_SURE),
-        held=_held(setting),
+        held=weights / weights.sum() / HELD if not setting.sees_size else 0 * weights,
         pull=np.zeros(2 + len(setting.sizes)),
     )
 
@@ -251,10 +246,8 @@ def interpolated(x: FloatArray, every: int, frames: int) -> FloatArray:
 def child_of(setting: Setting, logs: FloatArray) -> tuple[Child, float]:
     """Return the compiled child with the sizes that were fitted, and by which factor all of them were changed then.
 
-    This is 1 unless the spec gives the length and the recording tells of proportions only.
-
-    Raises:
-        SpecError: If there is no such child.
+    This is 1 unless the spec gives the length and the recording tells of proportions only. Raises a SpecError if there
+    is no such child.
     """
     base = lengths_of(setting.child.model)
     names = [size.name for size in setting.sizes]
@@ -300,12 +293,6 @@ def usual_noise(recording: PointRecording) -> Noise:
     return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
 
 
-def _held(setting: Setting) -> FloatArray:
-    """Return what keeps the mean of sizes, weighted by how sure each is, as it is on average, if size is not known."""
-    weights = np.array([0.0, 0.0, *(size.sd**-2 for size in setting.sizes)])
-    return weights / weights.sum() / HELD if not setting.sees_size else 0 * weights
-
-
 def _points(model: mujoco.MjModel, names: tuple[str, ...] | list[str]) -> list[BodyPoint]:
     """Return the points of a recording on a model, and then those of its contacts."""
     return [point for point in body_points(model, names) if point] + [sphere.point for sphere in spheres_of(model)]
@@ -320,12 +307,7 @@ def _resting(model: mujoco.MjModel, rest: FloatArray, points: list[BodyPoint]) -
 
 
 def _moves(model: mujoco.MjModel, points: list[BodyPoint], shape: Shape, column: int, count: int) -> bool:
-    """Return whether a size moves a point of the recording relative to others."""
     if np.abs(shape.points_m[:count, :, column]).max() > 1e-6:
         return True
     bodies = carrying(model, [point.body for point in points])
     return bool(np.abs(shape.bodies_m[sorted(bodies - {int(model.jnt_bodyid[0])}), :, column]).max() > 1e-6)
-
-
-def _chosen(shape: Shape, columns: list[int]) -> Shape:
-    return Shape(shape.bodies_m[..., columns], shape.anchors_m[..., columns], shape.points_m[..., columns])

@@ -73,22 +73,15 @@ class Child:
 
 
 def compile_child(spec: InfantSpec) -> Child:
-    """Return the child of a spec; its size is that of the spec.
-
-    Raises:
-        SpecError: If there is no such child.
-    """
+    """Return the child of a spec, of the spec's size, or raise a SpecError."""
     bundle = build(spec)
     return Child(spec, bundle, load_model(bundle))
 
 
 def starting_spec(spec: InfantSpec | None, age_months: float | None, name: str) -> InfantSpec:
-    """Return the spec that a fit starts from: the average child's, lying on its back, or the given one of that age.
+    """Return the spec that a fit starts from: the average child's, on its back, or the given one of that age.
 
-    One of the two must be given.
-
-    Raises:
-        SpecError: If the age is not one of an infant's.
+    One of the two must be given, or the age is refused by a SpecError.
     """
     if spec is not None:
         return spec if age_months in (None, spec.age_months) else spec.with_(age_months=age_months)
@@ -105,13 +98,7 @@ def gives_length(spec: InfantSpec) -> bool:
 
 
 def resized(spec: InfantSpec, factors: Mapping[str, float], length_cm: float | None = None) -> InfantSpec:
-    """Return the spec of a child whose parts are longer or wider by factors.
-
-    Args:
-        spec: The child before.
-        factors: By name of a size; they multiply what the spec has.
-        length_cm: Length of the child; None leaves it as it is.
-    """
+    """Return the spec of a child with parts longer or wider by factors; None leaves the length as it is."""
     parts: dict[str, dict[str, float]] = {}
     for size in SIZES:
         if (factor := factors.get(size.name, 1.0)) == 1.0:
@@ -143,12 +130,7 @@ def shape_of(child: Child, points: PointsOf, sizes: Sequence[Size]) -> Shape:
 
 
 def at_sizes(shape: Shape, logs: FloatArray) -> Shape:
-    """Return the vectors at other sizes: v = e^o (v_0 + sum_i (e^l_i - 1) d_i), with their derivatives by o and l_i.
-
-    Args:
-        shape: Vectors and derivatives at the sizes that the child has.
-        logs: Logarithms o, l_1, l_2 ... of sizes, relative to these, shape (s,).
-    """
+    """Return the vectors v = e^o (v_0 + sum_i (e^l_i - 1) d_i) at logs o, l_1 ..., with their derivatives by these."""
     return Shape(*(_scaled(array, logs) for array in (shape.bodies_m, shape.anchors_m, shape.points_m)))
 
 
@@ -174,16 +156,9 @@ def lengths_of(model: mujoco.MjModel) -> dict[str, float]:
 
 
 def matched(spec: InfantSpec, wanted: Mapping[str, float], length_cm: float | None, rounds: int = 3) -> Child:
-    """Return the child whose compiled lengths are the given ones, to .1 %.
+    """Return the child whose compiled lengths [m] are the given ones, to .1 %, in so many rounds, or raise a SpecError.
 
-    Args:
-        spec: The child that the fit started from.
-        wanted: Lengths in [m], by size.
-        length_cm: Length of the child, if it is known; parts then only say how it differs from a child of that length.
-        rounds: How often a child is compiled at most.
-
-    Raises:
-        SpecError: If there is no such child.
+    With a *length_cm* of the child, parts only say how it differs from a child of that length.
     """
     child = compile_child(resized(spec, {}, length_cm) if length_cm else spec)
     for _ in range(rounds):
@@ -196,7 +171,6 @@ def matched(spec: InfantSpec, wanted: Mapping[str, float], length_cm: float | No
 
 
 def _vectors(model: mujoco.MjModel, points: PointsOf) -> tuple[FloatArray, ...]:
-    """Return origins of bodies, anchors of joints, and points."""
     return model.body_pos.copy(), model.jnt_pos.copy(), np.array([point.offset_m for point in points(model)])
 
 

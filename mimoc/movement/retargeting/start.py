@@ -36,15 +36,11 @@ def start_of(
     height_m: float | None,
     turn: FloatArray,
 ) -> Start:
-    """Return where to start.
+    """Return where to start, from a recording without gaps.
 
-    Args:
-        recording: The recording, without gaps.
-        resting_m: Neck, left and right hip of the infant that lies on its back on the floor, shape (3, 3).
-        root_m: Its root, shape (3,).
-        turned: Orientation of its root, shape (3, 3).
-        height_m: Height of the camera; if it is not known, of two dimensions it follows from the trunk's length.
-        turn: `camera_from_world`, shape (3, 3).
+    *resting_m* are neck, left and right hip of the infant on its back on the floor, shape (3, 3), with its root at
+    *root_m*, of the orientation *turned*; *turn* is `camera_from_world`. A height of the camera that is not known
+    follows, in two dimensions, from the trunk's length.
     """
     if recording.unit == "px" and recording.depth_m is None:
         return _of_pixels(recording, resting_m, root_m, turned, height_m, turn)
@@ -78,7 +74,10 @@ def _of_pixels(
     a, b = (height_m - neck[2]) * a, (height_m - neck[2]) * b
     face_down = _face_down(a - b, *(place[name] for name in SHOULDERS)) if {*SHOULDERS} <= {*names} else 0.0
     if face_down > 0.5:
-        turned, neck, hips = _rolled_over(turned, neck, hips, root_m)
+        # The infant is turned about the long axis of its trunk to its front.
+        axis = (neck - hips) * [1.0, 1.0, 0.0]
+        half = exponential(np.pi * (axis / np.linalg.norm(axis))[None])[0][0]
+        turned, neck, hips = half @ turned, root_m + half @ (neck - root_m), root_m + half @ (hips - root_m)
     yaw = np.unwrap(np.arctan2(*(a - b).T[::-1])) - np.arctan2(*(neck - hips)[1::-1])
     mean = float(np.median(yaw))
     root = np.zeros((len(a), 6))
@@ -92,15 +91,6 @@ def _face_down(up: FloatArray, left: FloatArray, right: FloatArray) -> float:
     """Return the share of frames in which shoulders are swapped: from above, a supine left is to the right of up."""
     across = left - right
     return float(np.mean(up[:, 0] * across[:, 1] - up[:, 1] * across[:, 0] > 0))
-
-
-def _rolled_over(
-    turned: FloatArray, neck: FloatArray, hips: FloatArray, root_m: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the infant turned about the long axis of its trunk to its front."""
-    axis = (neck - hips) * [1.0, 1.0, 0.0]
-    half = exponential(np.pi * (axis / np.linalg.norm(axis))[None])[0][0]
-    return half @ turned, root_m + half @ (neck - root_m), root_m + half @ (hips - root_m)
 
 
 def _in_space(

@@ -57,7 +57,12 @@ def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
             sums.append(squares)
             blocks, stop = [], frame
     noise = [
-        _noise(row, dimensions) for row, dimensions in zip(np.sum(sums, axis=0), _dimensions(problem), strict=True)
+        _noise(row, dimensions)
+        for row, dimensions in zip(
+            np.sum(sums, axis=0),
+            [problem.observed.places.shape[2]] + [1] * (problem.observed.depth_m is not None),
+            strict=True,
+        )
     ]
     return Uncertainty(tuple(noise), angle_sd, depth_sd, covariance)
 
@@ -136,10 +141,6 @@ def _of_part(
         squares = (channel.errors**2).sum(-1)
         sums.append([(weight * squares).sum(), weight.sum() * channel.errors.shape[2], (weight * used).sum()])
     return np.sqrt(angles[:, ROOT:]), np.sqrt(np.maximum(heights, 0.0)), np.array(sums)
-
-
-def _dimensions(problem: Problem) -> list[int]:
-    return [problem.observed.places.shape[2]] + [1] * (problem.observed.depth_m is not None)
 
 
 def _noise(sums: FloatArray, dimensions: int) -> float:

@@ -40,14 +40,7 @@ class Aim:
     def angles(
         self, ahead: mujoco.MjData, velocity: FloatArray, jacobian: FloatArray, rest_rad: FloatArray
     ) -> FloatArray:
-        """Return the angles to go to, shape (m,), within the ranges.
-
-        Args:
-            ahead: The state.
-            velocity: What is wanted, shape (k,).
-            jacobian: Its derivative by all speeds of the model, shape (k, nv).
-            rest_rad: Where the joints rest, shape (m,).
-        """
+        """Return the angles in range, (m,), to go to for a *velocity*, (k,), with a *jacobian*, (k, nv)."""
         infant = self.infant
         now_rad = ahead.qpos[infant.angles[self.joints]]
         by_joint = jacobian[:, infant.dofs[self.joints]]
@@ -60,7 +53,6 @@ class Aim:
 
     @cached_property
     def _range_rad(self) -> tuple[FloatArray, FloatArray]:
-        """Between which angles the joints stay, shape (m,) each."""
         low_rad, high_rad = self.infant.model.jnt_range[self.infant.joints[self.joints]].T
         margin_rad = np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
         return low_rad + margin_rad, high_rad - margin_rad

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from mimoc.base.errors import PolicyError, check_name
 
 SEPARATOR = re.compile(r",(?![^(]*\))")
-"""A comma outside of parentheses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +30,13 @@ class Arguments:
 
 
 def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0) -> Arguments:
-    """Return the arguments in a text.
-
-    Raises:
-        PolicyError: If there are more words than it takes, or a number is none or out of range.
-        UnknownNameError: If it has no such option.
-    """
+    """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError."""
     words, numbers = list[str](), {name: option.default for name, option in options.items()}
-    for piece in filter(None, map(str.strip, SEPARATOR.split(_with_place(text)))):
+    # Three bare numbers at the beginning get parentheses.
+    number = r"\s*[-+]?\d*\.?\d+\s*"
+    for piece in filter(
+        None, map(str.strip, SEPARATOR.split(re.sub(rf"^({number},{number},{number})(?=,|$)", r"(\1)", text)))
+    ):
         name, sign, value = map(str.strip, piece.partition("="))
         if not sign:
             words.append(piece)
@@ -61,12 +59,6 @@ def place_of(word: str) -> tuple[float, float, float] | None:
     if not math.isfinite(x + y + z):
         raise PolicyError(f"'{word}' is no place; give x, y and z in metres, such as (0.3, 0, 0.2)")
     return x, y, z
-
-
-def _with_place(text: str) -> str:
-    """Return the text with parentheses around three bare numbers at its beginning."""
-    number = r"\s*[-+]?\d*\.?\d+\s*"
-    return re.sub(rf"^({number},{number},{number})(?=,|$)", r"(\1)", text)
 
 
 def _number(behaviour: str, name: str, value: str, option: Option) -> float:

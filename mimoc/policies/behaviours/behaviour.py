@@ -23,7 +23,6 @@ class Subject:
     infant: DrivenInfant
     """Its model, and the n hinges that its actuators drive."""
     manifest: Manifest
-    """Manifest of its bundle."""
     chance: Chance = field(default_factory=Chance)
     """What the times of its reactions are drawn from."""
 
@@ -71,21 +70,13 @@ class Behaviour:
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angle that each of its joints is to go to, shape (m,), [rad].
 
-        It is asked anew for joints to which commands take longer, in the state in which these act.
-
-        Args:
-            ahead: The state in which the command takes effect, as far as it can be predicted, with all derived from it.
-            time_s: Time since the episode began.
+        It is asked anew for joints to which commands take longer, each time in the state in which the command takes
+        effect, as far as it can be predicted.
         """
         raise NotImplementedError
 
     def lost(self, data: mujoco.MjData, may_touch: frozenset[int]) -> str:
-        """Return why a state is none that it is for, in a few words; nothing if it is.
-
-        Args:
-            data: The present state.
-            may_touch: Bodies that others may bring to the floor.
-        """
+        """Return why a state is none that it is for, or ""; others may bring the bodies *may_touch* to the floor."""
         return ""
 
     def watch(self, data: mujoco.MjData, time_s: float) -> None:

@@ -23,17 +23,7 @@ class Ensemble:
     """
 
     def __init__(self, subject: Subject, behaviours: Sequence[Behaviour], labels: Sequence[str], actuators: IntArray):
-        """Put bound behaviours together.
-
-        Args:
-            subject: The infant.
-            behaviours: What it does.
-            labels: What they are called in errors.
-            actuators: Indices of the actuators that take commands, shape (c,).
-
-        Raises:
-            PolicyError: If two of them are postures of the whole body, or begin in a posture.
-        """
+        """Put bound behaviours together; PolicyError if two are postures of the whole body or begin in a posture."""
         self._subject, self.behaviours, self._labels = subject, tuple(behaviours), tuple(labels)
         self._actuators = actuators
         self.whole = self._only([item.is_whole for item in behaviours], "are postures of the whole body")
@@ -50,11 +40,7 @@ class Ensemble:
         return int(numbers[0]) if len(numbers) else None
 
     def begin(self, data: mujoco.MjData) -> None:
-        """Begin an episode in a state, whose positions are computed.
-
-        Raises:
-            PolicyError: If two behaviours move the same joint.
-        """
+        """Begin an episode in a state, positions computed; PolicyError if two behaviours move the same joint."""
         for behaviour in self.behaviours:
             behaviour.begin(data)
         infant, self._owners = self._subject.infant, self._find_owners()
@@ -76,7 +62,6 @@ class Ensemble:
 
     @property
     def _slots(self) -> IntArray:
-        """Which driven hinge each actuator drives, shape (c,)."""
         return self._subject.infant.slots_of(self._actuators)
 
     def _find_owners(self) -> IntArray:
@@ -95,7 +80,6 @@ class Ensemble:
         return owners
 
     def _loose(self) -> frozenset[int]:
-        """Return the driven hinges that bear nothing."""
         loose = frozenset[int]()
         for number, behaviour in enumerate(self.behaviours):
             usual = [] if behaviour.is_whole else behaviour.joints

@@ -15,7 +15,6 @@ class Hold(Behaviour):
     is_whole = True
 
     def __init__(self, subject: Subject):
-        """Bind it to an infant."""
         self._infant = subject.infant
         self.joints = np.arange(len(self._infant.joints))
 

@@ -28,7 +28,6 @@ SYNERGY: Mapping[str, float] = {"hip1": -1.0, "knee": -1.2, "foot1": 0.6}
 """How far joints turn in a kick, by the excursion of the hip: of the middle of published ranges, hip 30 to 60, knee 40
 to 70 and ankle 20 to 40 degrees (an assumption as to one infant)."""
 PHASE_S = 0.35
-"""Duration of flexion, and of extension."""
 OPTIONS = {"rate_per_min": Option(12.0, 1.0, 60.0), "hip_deg": Option(45.0, 5.0, 90.0)}
 """Kicks of each leg in a minute, of which infants of 0 to 4 months filmed on their backs make 12 (MINI-RGBD), and the
 excursion of the hip, for which 30 to 60 degrees have been published."""
@@ -44,7 +43,6 @@ class Kick(Behaviour):
     is_whole = True
 
     def __init__(self, subject: Subject, sides: tuple[str, ...], rate_per_min: float, hip_deg: float):
-        """Bind it to an infant, and those of its legs that kick."""
         infant, self._sides = subject.infant, sides
         self.start = start = infant.placed(PITCH_DEG, RESTING_DEG)
         self.joints, self.loose = np.arange(len(infant.joints)), subject.moved_by(LEGS)
@@ -78,17 +76,12 @@ class Kick(Behaviour):
 
 
 def _flexion(name: str, sides: tuple[str, ...], hip_deg: float) -> float:
-    """Return by how much a hinge turns in a kick, [rad]."""
     side, _, joint = name.partition("_")
     return float(np.radians(hip_deg * SYNERGY.get(joint, 0.0))) if side in sides else 0.0
 
 
 def bind(subject: Subject, text: str = "") -> Kick:
-    """Return the behaviour that kicks with a leg, or with both.
-
-    Raises:
-        PolicyError: If the infant lacks the leg.
-    """
+    """Return the behaviour that kicks with a leg, or with both; raise a PolicyError if the infant lacks the leg."""
     given = read_arguments("kick", text, OPTIONS, most_words=1)
     side = given.words[0] if given.words else BOTH
     check_name("leg that can kick", side, WORDS)

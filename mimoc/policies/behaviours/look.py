@@ -9,8 +9,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.policies.behaviours.noticing import NoticedTarget
-from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.behaviours.targets import NoticedTarget, Target, find_target
 from mimoc.policies.control.frames import VIEW
 from mimoc.policies.control.objectives import turn_towards
 from mimoc.policies.reaction import reaction_of
@@ -32,11 +31,7 @@ class Look(Behaviour):
     """
 
     def __init__(self, subject: Subject, target: Target):
-        """Bind it to an infant.
-
-        Raises:
-            PolicyError: If the infant has no eyes.
-        """
+        """Bind it to an infant; raise a PolicyError if the infant has no eyes."""
         infant, model = subject.infant, subject.infant.model
         self.joints = subject.moved_by(MOVING)
         self._cameras = [model.camera(eye.camera).id for eye in subject.manifest.anatomy.eyes]

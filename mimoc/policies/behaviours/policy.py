@@ -38,11 +38,7 @@ class BehaviourPolicy:
     """
 
     def __init__(self, env: Infant, named: Sequence[NamedBehaviour]):
-        """Bind behaviours to an infant.
-
-        Raises:
-            PolicyError: If they do not go together, or the infant cannot do one of them.
-        """
+        """Bind behaviours to an infant; PolicyError if they do not go together, or the infant cannot do one of them."""
         self._env, self._named = env, tuple(named)
         self._labels = numbered([one.label for one in named])
         self._finished, self._begun_at = list[Mapping[str, float]](), np.empty(0)
@@ -63,7 +59,15 @@ class BehaviourPolicy:
             self._bind()
         kept = env.manifest.constraints
         if self._ensemble.start is not None and not (kept.locks or kept.welds):
-            _place(env, self._infant, self._ensemble.start)
+            infant, start, model, data = self._infant, self._ensemble.start, env.model, env.data
+            is_hinge = infant.is_own[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)
+            hinges = model.jnt_qposadr[is_hinge]
+            data.qpos[hinges], data.qvel[infant.is_own[model.dof_bodyid]] = start.qpos[hinges], 0.0
+            leftward = data.xmat[infant.root].reshape(3, 3)[:, 1]  # Horizontal, however its trunk is pitched.
+            half = np.arctan2(-leftward[0], leftward[1]) / 2
+            place, posed = data.qpos[infant.place], start.qpos[infant.place]
+            place[2] = posed[2]
+            mujoco.mju_mulQuat(place[3:], np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), posed[3:])
         mujoco.mj_fwdPosition(env.model, env.data)
         self._ensemble.begin(env.data)
         self._ensemble.hold(env.data)
@@ -117,21 +121,7 @@ class BehaviourPolicy:
         self._seen_s = time_s + self._step_s
 
     def _of_episode(self) -> dict[str, float]:
-        """Return what is told of the present episode: for how long a posture was held, then by each behaviour."""
         ensemble, lost_s, held = self._ensemble, self._lost_after_s, dict[str, float]()
         if ensemble.whole is not None:
             held = {"held_s": self._seen_s if lost_s is None else lost_s, "held_share": float(lost_s is None)}
         return held | merged_metrics([item.metrics() for item in ensemble.behaviours], self._labels)
-
-
-def _place(env: Infant, infant: DrivenInfant, start: mujoco.MjData) -> None:
-    """Put an infant into a posture at the origin, at rest, in its place and facing as it does."""
-    model, data = env.model, env.data
-    is_hinge = infant.is_own[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)
-    hinges = model.jnt_qposadr[is_hinge]
-    data.qpos[hinges], data.qvel[infant.is_own[model.dof_bodyid]] = start.qpos[hinges], 0.0
-    leftward = data.xmat[infant.root].reshape(3, 3)[:, 1]  # Horizontal, however its trunk is pitched.
-    half = np.arctan2(-leftward[0], leftward[1]) / 2
-    place, posed = data.qpos[infant.place], start.qpos[infant.place]
-    place[2] = posed[2]
-    mujoco.mju_mulQuat(place[3:], np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), posed[3:])

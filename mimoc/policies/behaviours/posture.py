@@ -19,7 +19,6 @@ class Posture(Behaviour):
     is_whole = True
 
     def __init__(self, subject: Subject, start: mujoco.MjData, lost: Lost):
-        """Keep the posture of a state; *lost* says when it is lost."""
         self.joints, self.start, self._lost = np.arange(len(subject.infant.joints)), start, lost
         self._target_rad = start.qpos[subject.infant.angles]
 

@@ -10,8 +10,7 @@ from mimoc.base.errors import PolicyError, check_name
 from mimoc.policies.behaviours.aiming import Aim
 from mimoc.policies.behaviours.arguments import Option, read_arguments
 from mimoc.policies.behaviours.behaviour import Behaviour, Subject
-from mimoc.policies.behaviours.noticing import NoticedTarget
-from mimoc.policies.behaviours.targets import Target, find_target
+from mimoc.policies.behaviours.targets import NoticedTarget, Target, find_target
 from mimoc.policies.control.frames import joints_between
 from mimoc.policies.control.holding.driven import SIDES
 from mimoc.policies.reaction import reaction_of
@@ -20,7 +19,6 @@ from mimoc.runtime.sense import FloatArray
 PER_S, DAMPING_M = 5.0, 0.03
 """Speed of the hand by its distance, and the damping of its inverse kinematics (a choice)."""
 OPTIONS = {"speed_m_s": Option(0.4, 0.05, 1.5)}
-"""Largest speed of the hand."""
 ARRIVED_M = 0.03
 """How near the palm has to come to a place, which it cannot touch."""
 
@@ -35,7 +33,6 @@ class Arm:
     aim: Aim
     """Its joints, from the shoulder to the wrist."""
     parts: frozenset[int]
-    """Its bodies."""
     parts_of_hand: frozenset[int]
 
     def palm_m(self, data: mujoco.MjData) -> FloatArray:
@@ -47,7 +44,6 @@ class Reach(Behaviour):
     """Brings the palm of a hand to a target: of several hands, that which is nearest when an episode begins."""
 
     def __init__(self, subject: Subject, target: Target, arms: Sequence[Arm], speed_m_s: float):
-        """Bind it to an infant and those of its arms that may reach."""
         self._model, self._named, self._arms, self._speed_m_s = subject.infant.model, target, arms, speed_m_s
         self._subject = subject
 
@@ -112,7 +108,6 @@ def bind(subject: Subject, text: str) -> Reach:
 
 
 def _arms(subject: Subject) -> Iterator[Arm]:
-    """Yield the arms that end in a hand and have joints that are driven."""
     infant, model = subject.infant, subject.infant.model
     for limb in subject.manifest.anatomy.arms:
         if limb.end:

@@ -167,14 +167,7 @@ class ContactConstraints:
     """
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest, effectors: Iterable[int], loose: Iterable[int] = ()):
-        """Find the bodies that can support the infant.
-
-        Args:
-            model: The infant and its world.
-            manifest: Manifest of the infant, which names its trunk and its limbs.
-            effectors: The bodies that objectives control.
-            loose: Bodies that, with their descendants, may slide on the ground that they touch.
-        """
+        """Find the bodies that can support the infant; *loose* ones, and those on them, may slide."""
         self._model, self._couplings, self._has_others = model, _couplings(model), bool(manifest.prefix)
         bearing = model.body_rootid == model.body(manifest.root_body).id
         trunk = trunk_of(manifest.anatomy, model)
@@ -225,7 +218,6 @@ class ContactConstraints:
         return first[pressing]
 
     def _on_static(self, ours: npt.NDArray[np.bool_], geoms: IntArray) -> npt.NDArray[np.bool_]:
-        """Return which contacts of geoms, shape (m, 2), are between one of ours and a static one, shape (m,)."""
         return np.logical_or.reduce(ours[geoms] & self._still[geoms[:, ::-1]], axis=1)
 
 

@@ -45,7 +45,6 @@ class Frame:
     """A site, a camera or a body."""
 
     kind: str
-    """Key of `KINDS`."""
     index: int
     """Index in the model, among its kind."""
     body: int
@@ -74,15 +73,9 @@ class Frame:
 
 
 def find_frame(name: str, model: mujoco.MjModel, prefix: str = "") -> Frame:
-    """Return the site, camera or body of this name, in this order of precedence.
+    """Return the site, camera or body of this name, in this order of precedence, or raise an UnknownNameError.
 
-    Args:
-        name: Its name in the model, or, of a part of the infant, that without the prefix.
-        model: The infant and its world.
-        prefix: What the names of the infant's parts begin with; they come before others of the same name.
-
-    Raises:
-        UnknownNameError: If none has this name.
+    The name is that in the model, or, of a part of the infant, without *prefix*; these come first.
     """
     for full_name in dict.fromkeys((prefix + name, name)):
         for kind, (object_type, bodies, *_) in KINDS.items():

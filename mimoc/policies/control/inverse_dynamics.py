@@ -37,7 +37,6 @@ class Joints:
     """The n hinges that a controller moves."""
 
     def __init__(self, names: Sequence[str], model: mujoco.MjModel, prefix: str = ""):
-        """Find hinges by their names, which have a prefix in the model."""
         self.names = tuple(names)
         self.indices: IntArray = np.array([model.joint(prefix + name).id for name in names], np.intp)
         """In the model, shape (n,)."""
@@ -162,7 +161,6 @@ class InverseDynamics:
         return tuple(objective.error(self._motion(objective)) for objective in self._frames)
 
     def _look(self) -> None:
-        """Update the controller's copy of the state."""
         mujoco.mj_getState(self._model, self._observed, self._state, STATE)
         mujoco.mj_setState(self._model, self._data, self._state, STATE)
         mujoco.mj_forward(self._model, self._data)
@@ -181,7 +179,6 @@ class InverseDynamics:
         return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
 
     def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
-        """Return the accelerations that a posture demands."""
         members = self._members[posture]
         errors_rad = posture.targets_rad(self.joints, self._present_rad) - self._data.qpos[self._joints.angles]
         wanted = posture.gains.accelerations(errors_rad, self._data.qvel[self._joints.speeds])
@@ -205,7 +202,6 @@ class InverseDynamics:
 
 
 def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Posture], Posture]:
-    """Return the objectives by priority, then the posture."""
     if not isinstance(objectives, Sequence):
         raise ControlError("objectives come as a list, the most important first; write [objective] for one")
     levels: list[Any] = [tuple(level) if isinstance(level, list) else level for level in objectives]
@@ -219,7 +215,6 @@ def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Post
 
 
 def _is_whole(level: object) -> bool:
-    """Return whether this is a posture of all joints."""
     return isinstance(level, Posture) and level.joints is None
 
 
@@ -232,7 +227,6 @@ def driven_joints(actuation: Actuation, model: mujoco.MjModel, manifest: Manifes
 def _find_allowed(
     chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel, manifest: Manifest
 ) -> Joints:
-    """Return the joints that may move, of those that actuators move."""
     moved = driven_joints(actuation, model, manifest)
     for name in chosen or ():
         if name not in moved:

@@ -36,13 +36,6 @@ class LateCommands:
     """The commands that were sent to m actuators and do not act yet."""
 
     def __init__(self, model: mujoco.MjModel, actuators: IntArray, timing: Timing):
-        """Begin without any.
-
-        Args:
-            model: The infant and its world.
-            actuators: Indices of the actuators.
-            timing: The control step, and the delays of commands.
-        """
         moved = model.jnt_bodyid[model.actuator_trnid[actuators, 0]]
         self.control_steps = timing.period
         self.delay_steps = timing.delay_steps(MOTOR, within(model, moved), len(actuators))

@@ -61,9 +61,7 @@ def _cross(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 REACHING = Gains(800.0, cap=0.1, viscosity_per_s=40.0)
-"""Default gains for positions."""
 TURNING = Gains(400.0, viscosity_per_s=40.0)
-"""Default gains for orientations."""
 LOOKING = Gains(900.0, viscosity_per_s=60.0)
 """Default gains for gaze: with weaker ones, the dry friction of the eyes leaves errors of several degrees."""
 
@@ -102,7 +100,6 @@ class FrameTask:
     """An objective with a target position."""
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains):
-        """Set the site, the target position in the world, and the gains."""
         self.site, self.target, self.gains = site, target, gains
 
     @property
@@ -258,7 +255,6 @@ class GazeTask(FrameTask):
 
 
 def _pointing(motion: Motion, axis: FloatArray | None) -> FloatArray:
-    """Return the pointing direction of a frame in the world, shape (3,)."""
     return motion.axes @ (motion.pointing if axis is None else axis)
 
 

@@ -62,7 +62,6 @@ class Gains:
 
 
 HOLDING = Gains(100.0, cap=0.3, viscosity_per_s=20.0)
-"""Default gains for joint angles."""
 
 
 class Posture:
@@ -75,10 +74,7 @@ class Posture:
     """
 
     def __init__(
-        self,
-        angles_rad: Mapping[str, float] | None = None,
-        joints: Sequence[str] | None = None,
-        gains: Gains = HOLDING,
+        self, angles_rad: Mapping[str, float] | None = None, joints: Sequence[str] | None = None, gains: Gains = HOLDING
     ):
         """Create the posture.
 

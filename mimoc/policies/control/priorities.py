@@ -68,7 +68,12 @@ def solve_prioritized(demands: Sequence[LinearDemand], rest: LinearDemand) -> Fl
         missing = demand.accelerations - demand.response @ shares
         shares = shares + (damped_inverse(values, size) * (missing @ left)) @ right
         taken = np.concatenate([taken, right])
-    return shares + _rest(rest, shares, taken)
+    # For the last demand, the null space need not be updated.
+    free = _without(taken, rest.response)
+    gram = product(free, free)
+    gram.flat[:: len(gram) + 1] += DAMPING**2
+    change = np.linalg.solve(gram, rest.accelerations - rest.response @ shares) @ free
+    return shares + (change - (taken @ change) @ taken)
 
 
 def damped_inverse(values: FloatArray, size: float) -> FloatArray:
@@ -97,15 +102,6 @@ def _singular_values(response: FloatArray, size: float) -> tuple[FloatArray, Flo
     kept = squares > max((RANK * size) ** 2, _TINY)
     values, left = np.sqrt(squares[kept]), left[:, kept]
     return values, left, (left / values).T @ response
-
-
-def _rest(demand: LinearDemand, shares: FloatArray, taken: FloatArray) -> FloatArray:
-    """Return the torques of the last demand, shape (n,), for which the null space need not be updated."""
-    free = _without(taken, demand.response)
-    gram = product(free, free)
-    gram.flat[:: len(gram) + 1] += DAMPING**2
-    change = np.linalg.solve(gram, demand.accelerations - demand.response @ shares) @ free
-    return change - (taken @ change) @ taken
 
 
 def _without(taken: FloatArray, response: FloatArray) -> FloatArray:

@@ -31,11 +31,7 @@ class ReachableTargets:
     """
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        """Find the arms of an infant.
-
-        Raises:
-            ControlError: If no commanded joint moves a hand.
-        """
+        """Find the arms of an infant; raise a ControlError if no commanded joint moves a hand."""
         self._model, self._data = model, mujoco.MjData(model)
         self._trunk = trunk_of(manifest.anatomy, model)
         moved = {model.joint(actuator.joint).id for actuator in manifest.actuation.actuators if actuator.commanded}
@@ -75,7 +71,6 @@ class ReachableTargets:
         return None
 
     def _joints_to(self, name: str) -> list[int]:
-        """Return the joints from the trunk to a body or a camera."""
         frame: Frame = find_frame(name, self._model)
         return joints_between(self._model, frame.body, limb_of(frame.body, self._trunk, self._model))
 
@@ -127,16 +122,9 @@ class ReachController:
     """Makes all commanded hands reach for one target each, and the eyes look at one of the targets."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest, gains: ReachGains | None = None):
-        """Bind the controller to an infant, whose hands keep their positions until `aim` is called.
+        """Bind to an infant with motors or muscles, or raise a ControlError; hands stay until `aim` is called.
 
-        Args:
-            model: The infant and its world.
-            data: Its state, which each call reads.
-            manifest: Manifest of its bundle; it must have motors or muscles.
-            gains: Gains of hands and eyes; None means gentle ones for an infant that sits freely, else strong ones.
-
-        Raises:
-            ControlError: If the infant has servos, or no commanded hand.
+        Without *gains*, they are gentle for an infant that sits freely, else strong.
         """
         self._model, self._data, self._manifest = model, data, manifest
         self._trunk, self._places = trunk_of(manifest.anatomy, model), ReachableTargets(model, manifest)
@@ -203,7 +191,6 @@ class ReachController:
         return [foot for foot, way in zip(feet, away_m, strict=True) if way[2] < 0.5 * np.linalg.norm(way)]
 
     def _joints_on(self, bodies: Collection[int]) -> list[str]:
-        """Return the commanded joints of some bodies, each once."""
         actuators = [actuator for actuator in self._manifest.actuation.actuators if actuator.commanded]
         joints = [self._model.joint(actuator.joint) for actuator in actuators]
         names = (joint.name for joint in joints if self._model.jnt_bodyid[joint.id] in bodies)

@@ -20,7 +20,6 @@ class Activation:
     """
 
     def __init__(self, model: mujoco.MjModel, actuators: IntArray, step_s: float):
-        """Find the activations of actuators, indices of any shape; *step_s* is the duration of a control step."""
         addresses = model.actuator_actadr[actuators]
         self._has_one = addresses >= 0
         self._addresses = addresses[self._has_one]
@@ -46,14 +45,7 @@ class TorqueMapping(ABC):
     """Converts torques of n joints to an action."""
 
     def __init__(self, actuation: Actuation, joints: IntArray, model: mujoco.MjModel, step_s: float):
-        """Find the actuators of n joints.
-
-        Args:
-            actuation: Conversion of actions to controls.
-            joints: Index of each joint, shape (n,).
-            model: The infant and its world.
-            step_s: Duration of a control step, at whose end the torques are to be reached.
-        """
+        """Find the actuators of joints, shape (n,); torques are reached at the end of a control step of *step_s*."""
         driven = model.actuator_trnid[actuation.actuators, 0]
         self._slots = self._find(driven == joints[:, None], model.actuator_gear[actuation.actuators, 0])
         self._at_rest = np.clip(0.0, actuation.low, actuation.high)
@@ -147,11 +139,7 @@ TORQUE_MAPPINGS: Mapping[str, type[TorqueMapping]] = {"torque": Motors, "muscle"
 
 
 def find_mapping(model_name: str) -> type[TorqueMapping]:
-    """Return the torque mapping of an actuation model.
-
-    Raises:
-        ControlError: If the actuation model cannot produce given torques.
-    """
+    """Return the torque mapping of an actuation model; ControlError if it cannot produce given torques."""
     if model_name not in TORQUE_MAPPINGS:
         others = " or ".join(f"{{model: {other}}}" for other in TORQUE_MAPPINGS)
         raise ControlError(

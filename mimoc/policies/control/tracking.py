@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import nnls
 
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.policies.control.ground_support import unsupported, with_margin
 from mimoc.policies.control.inverse_dynamics import STATE, Joints, driven_joints
 from mimoc.policies.control.late_commands import LateCommands
 from mimoc.policies.control.torque_mapping import TorqueMapping, find_mapping
@@ -51,11 +51,7 @@ class Body:
     """A copy of an infant's state, with the n joints that its commanded actuators move."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        """Bind to a model.
-
-        Raises:
-            ControlError: If the infant has servos.
-        """
+        """Bind to a model; raise a ControlError if the infant has servos."""
         mapping, actuation = find_mapping(manifest.actuation.model), bind_actuation(manifest.actuation, model)
         joints = Joints(driven_joints(actuation, model, manifest), model, manifest.prefix)
         self.model, self.data, self.joints = model, mujoco.MjData(model), joints
@@ -71,7 +67,6 @@ class Body:
         self.is_own: npt.NDArray[np.bool_] = model.body_rootid == model.body_rootid[self.root]
 
     def _moving(self, roots: Sequence[str]) -> npt.NDArray[np.bool_]:
-        """Return which joints move bodies, or what hangs on them, shape (n,)."""
         bodies = in_subtrees(self.model, [self.model.body(root).id for root in roots])
         return bodies[self.model.jnt_bodyid[self.joints.indices]]
 
@@ -85,11 +80,7 @@ class Body:
         """Return the forces that bring an acceleration about where nothing touches, and the limits of those there are.
 
         Actuators are brought to rest first. The forces of all degrees of freedom have shape (nv,), the limits of the
-        joints' torques shape (n, 2), [N m].
-
-        Args:
-            acceleration: Shape (nv,).
-            direction: Speeds, shape (nv,), against which dry friction acts.
+        joints' torques shape (n, 2), [N m]. Dry friction acts against speeds *direction*, shape (nv,).
         """
         model, data = self.model, self.data
         limits_nm = self.torques.rest(model, data)
@@ -125,16 +116,7 @@ class Tracker:
     """Returns the action that follows a motion in the present state, at each control step."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest):
-        """Bind to an infant.
-
-        Args:
-            model: The infant and its world.
-            data: Its state, which each call reads.
-            manifest: Manifest of its bundle; it must have motors or muscles.
-
-        Raises:
-            ControlError: If the infant has servos.
-        """
+        """Bind to an infant with motors or muscles, or raise a ControlError; each call reads *data*."""
         self._observed, self._body = data, Body(model, manifest)
         self._late = LateCommands(model, self._body.actuators, timing_of(manifest, {}))
         self._ahead, self._step_s = mujoco.MjData(model), ms_to_s(manifest.step_ms)
@@ -159,11 +141,7 @@ class Tracker:
         self._late.forget()
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
-        """Return the action, shape (nu,).
-
-        Args:
-            wanted: The motion when the command takes effect: of each degree of freedom, `leads_s` from now.
-        """
+        """Return the action, shape (nu,), for the motion when it takes effect: of each speed, `leads_s` from now."""
         model, late, ahead = self._body.model, self._late, self._observed
         if late.last:
             ahead = self._ahead
@@ -183,7 +161,6 @@ class Tracker:
         return action
 
     def _action(self, ahead: mujoco.MjData, wanted: Wanted) -> npt.NDArray[np.float32]:
-        """Return the action for the state in which it acts, shape (nu,)."""
         body = self._body
         body.look(ahead)
         model, data, speeds = body.model, body.data, body.joints.speeds
@@ -223,7 +200,6 @@ class Tracker:
         return body.root_inertia() @ (demanded - data.qacc)[root]
 
     def _feedback(self, wanted: Wanted) -> FloatArray:
-        """Return the accelerations that errors of places and velocities demand, shape (nv,)."""
         model, data = self._body.model, self._body.data
         coming, errors = data.qpos.copy(), np.zeros(model.nv)
         mujoco.mj_integratePos(model, coming, data.qvel, self._step_s)
@@ -235,7 +211,6 @@ class Demand:
     """What a motion demands of a body, frame by frame, along the motion itself and not along what came of it."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        """Bind to an infant with motors or muscles."""
         self._body = body = Body(with_margin(model), manifest)
         self._distal = np.stack([in_subtrees(model, [int(model.jnt_bodyid[joint])]) for joint in body.joints.indices])
         self.shares: list[FloatArray] = []
@@ -263,3 +238,44 @@ class Demand:
         """Return on which joints something hangs that touches anything else, shape (n,)."""
         first, second = self._distal[:, touches[:, 0]], self._distal[:, touches[:, 1]]
         return (first != second).any(axis=1)
+
+
+NEAR_M = 0.01
+"""Distance within which a part of the body counts as touching: what fits of one camera leave open (a choice)."""
+ARM_M = 0.1
+"""Lever at which torques are weighed as forces, about half an infant's trunk (a choice)."""
+
+
+def with_margin(model: mujoco.MjModel, near_m: float = NEAR_M) -> mujoco.MjModel:
+    """Return a copy of a model that lists contacts from this distance on."""
+    copied = model.__copy__()
+    copied.geom_margin[:] = np.maximum(copied.geom_margin, near_m)
+    return copied
+
+
+def unsupported(
+    model: mujoco.MjModel, data: mujoco.MjData, is_own: npt.NDArray[np.bool_], root: int, wrench: FloatArray
+) -> FloatArray:
+    """Return what is left over of a wrench, shape (6,), on a body in a model `with_margin`, with contacts.
+
+    Its force is in the world's frame [N], its torque in the body's [N m], about its origin.
+    """
+    pushes = _pushes(model, data, is_own, root)
+    if not len(pushes):
+        return wrench
+    scales = np.repeat([1.0, 1.0 / ARM_M], 3)
+    sizes, _ = nnls(pushes.T * scales[:, None], wrench * scales, maxiter=50 * len(pushes))
+    return wrench - sizes @ pushes
+
+
+def _pushes(model: mujoco.MjModel, data: mujoco.MjData, is_own: npt.NDArray[np.bool_], root: int) -> FloatArray:
+    """Return the wrench of a force of 1 N along each edge of each friction pyramid, shape (4 contacts, 6)."""
+    contacts = data.contact
+    ours = is_own[model.geom_bodyid[contacts.geom]]
+    outside = ours[:, 0] != ours[:, 1]
+    frames, second = contacts.frame[outside].reshape(-1, 3, 3), ours[outside, 1]
+    normals, friction = frames[:, 0] * np.where(second, 1.0, -1.0)[:, None], contacts.friction[outside, :1]
+    edges = np.stack([normals + way * friction * frames[:, axis] for axis in (1, 2) for way in (-1, 1)], axis=1)
+    arms_m = (contacts.pos[outside] - data.xpos[root])[:, None]
+    torques = np.cross(arms_m, edges) @ data.xmat[root].reshape(3, 3)  # In the body's frame.
+    return np.concatenate([edges, torques], axis=2).reshape(-1, 6)

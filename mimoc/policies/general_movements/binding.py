@@ -22,7 +22,6 @@ class Moving:
     """
 
     def __init__(self, batch: Batch):
-        """Bind it to infants."""
         first, self._batch = batch.infants[0], batch
         self._ages, step_s = (
             [infant.manifest.child.corrected_age_months for infant in batch.infants],

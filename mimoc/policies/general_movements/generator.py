@@ -11,14 +11,88 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.policies.general_movements.bursts import Bursts, probabilities
-from mimoc.policies.general_movements.columns import Columns
 from mimoc.policies.general_movements.joints import ARMS, IS_LEFT, LEGS, LIMBS, OTHER_SIDE, POSTURES, TRUNK, Joints
-from mimoc.policies.general_movements.law import Law
-from mimoc.policies.general_movements.styles import STYLES, TRAITS, Styles
+from mimoc.policies.general_movements.law import STYLES, TRAITS, Law, Styles
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.sense import FloatArray
 from mimoc.runtime.term import Put
+
+SLOTS = 5
+"""Bursts of a limb at one time; one more takes the place of the oldest."""
+
+
+class Bursts:
+    """The bursts that are under way.
+
+    A burst asks hinge j for the share p_j s(t) of its strength, where
+
+        s(t) = sin²(π t / T)        for 0 <= t < T
+             = -r sin²(π t / T)     for T <= t < 2 T
+             = 0                    afterwards
+
+    t is the time since it began, T its duration, and r its rebound. The slots of a limb are taken in turn:
+
+        slot     0      1      2      3      4
+        t / T   2.3    0.2     -      -     3.1      the next burst of this limb goes into slot 2
+    """
+
+    def __init__(self, xp: Any, put: Put, limb: Any, of_limbs: Any, of_hinges: Any):
+        """Begin with none; *limb* is that of each hinge, (m,); of limbs and hinges are zeros, (k, limbs), (k, m)."""
+        self._xp, self._limb = xp, limb
+        self._slots = put(np.arange(SLOTS, dtype=np.float64)[None, :, None])
+        self._next = of_limbs
+        self._length_s = of_limbs[:, None, :] + 0.0 * self._slots + 1.0
+        self._time_s = 10.0 * self._length_s
+        self._pattern = of_hinges[:, None, :] + 0.0 * self._slots
+
+    def advance(self, step_s: float, begins: Any, lengths_s: Any, patterns: Any) -> None:
+        """Let time pass, and bursts of given lengths and patterns of shares, (k, m), begin in limbs, (k, limbs)."""
+        xp = self._xp
+        is_new = begins[:, None, :] & (xp.abs(self._slots - self._next[:, None, :]) < 0.5)
+        self._time_s = xp.where(is_new, 0.0, self._time_s + step_s)
+        self._length_s = xp.where(is_new, lengths_s[:, None, :], self._length_s)
+        self._pattern = xp.where(xp.take(is_new, self._limb, axis=2), patterns[:, None, :], self._pattern)
+        following = xp.where(self._next > SLOTS - 1.5, 0.0, self._next + 1.0)
+        self._next = xp.where(begins, following, self._next)
+
+    def shares(self, rebound: Any) -> Any:
+        """Return what all of them ask for now, shape (k, m); *rebound* has shape (k, 1)."""
+        xp = self._xp
+        part = self._time_s / self._length_s
+        wave = xp.sin(math.pi * part) ** 2
+        first = xp.where(part < 1.0, wave, 0.0)
+        second = xp.where((part >= 1.0) & (part < 2.0), wave, 0.0)
+        shape = first - rebound[:, :, None] * second
+        return xp.sum(self._pattern * xp.take(shape, self._limb, axis=2), axis=1)
+
+
+def probabilities(xp: Any, law: Mapping[str, Any], rate_hz: Any, swell: Any, arousal: Any, activity: Any) -> Any:
+    """Return the rates at which bursts begin now, [1/s]: in all limbs, in a pair, and in each limb by itself.
+
+    With the arousal a and the activity x of a limb, both of variance 1, the rate is λ exp(s a - s²/2) of all, and that
+    times exp(l x - l²/2) of each limb by itself, with the swells s and l, so that λ is their mean over time.
+    """
+    common = rate_hz * xp.exp(swell * arousal - swell**2 / 2)
+    alone = common * xp.exp(law["limb_swell"] * activity - law["limb_swell"] ** 2 / 2)
+    alone = alone * (1.0 - law["together"] - law["whole"])
+    return common * law["whole"], common * law["together"], alone
+
+
+class Columns:
+    """The names of the columns of an array of shape (k, width), in their order."""
+
+    def __init__(self, widths: Mapping[str, int]):
+        self._slices: dict[str, slice] = {}
+        self.width = 0
+        """Number of all columns."""
+        for name, width in widths.items():
+            self._slices[name] = slice(self.width, self.width + width)
+            self.width += width
+
+    def split(self, array: Any) -> dict[str, Any]:
+        """Return the columns of each name, shape (k, width of the name)."""
+        return {name: array[:, columns] for name, columns in self._slices.items()}
+
 
 SMOOTHING_S = 0.25
 """Time constant in which slow drives and movements towards goals set in."""
@@ -60,16 +134,7 @@ class GeneralMovements:
         xp: Any = NUMPY,
         put: Put = np.asarray,
     ):
-        """Prepare the movement of infants.
-
-        Args:
-            joints: The joints of all of them.
-            laws: The law of each, k.
-            step_s: Time between two steps.
-            styles: How they differ.
-            xp: The array library.
-            put: Moves NumPy's arrays into it.
-        """
+        """Prepare the movement of infants, a law for each; *put* moves NumPy's arrays into *xp*."""
         self._xp, self._put, self._step_s, self._styles = xp, put, step_s, styles
         limbs, hinges = len(LIMBS), len(joints.names)
         by_limb = dict.fromkeys(("activity", "bend", "size", "duration", "direction"), limbs)
@@ -92,11 +157,7 @@ class GeneralMovements:
         """Factor on how often bursts of each limb by itself begin, shape (k, 6) or (1, 6), in the order of `LIMBS`."""
 
     def start(self, normal: Any) -> None:
-        """Draw the style of each infant, and begin in the midst of its movement.
-
-        Args:
-            normal: Standard normal numbers, shape (k, starts).
-        """
+        """Draw styles from standard normal numbers, shape (k, starts), and begin in the midst of movement."""
         self._state = self._starts.split(normal)
         self._state |= {"slowly": self._state["slow"], "slowly_bend": self._state["bend"]}
         zeros = 0.0 * self._state["slow"]
@@ -200,7 +261,6 @@ class GeneralMovements:
         return along + xp.sqrt(1.0 - coherence**2) * of_hinges
 
     def _aim(self, chances: Mapping[str, Any], ease: float, arousal: Any) -> None:
-        """Let limbs choose other goals now and then, and go there."""
         xp, state, goals = self._xp, self._state, self._of["goals"]
         leaves = xp.take(chances["goal"] < self._law["goals_hz"] * arousal * self._step_s, self._limb, axis=1)
         count = goals.shape[1]
@@ -212,7 +272,6 @@ class GeneralMovements:
         state["going"] = state["going"] + ease * (state["goal"] - state["going"])
 
     def _shares(self, arousal: Any) -> Any:
-        """Return the share of its strength that each hinge is asked for, shape (k, m)."""
         law, state = self._law, self._state
         slowly = self._slow * self._along(self._in_pairs(state["slowly_bend"]), state["slowly"])
         level = self._xp.exp(law["size_swell"] * state["arousal"]) * arousal
@@ -220,7 +279,6 @@ class GeneralMovements:
         return self._posture + slowly + fidgety + self._bursts.shares(law["rebound"]) + law["goals"] * state["going"]
 
     def _commands(self, shares: Any, arousal: Any) -> Any:
-        """Return the commands that ask for shares, those without a hinge at rest, shape (k, n)."""
         xp, of = self._xp, self._of
         shares = xp.concat([shares, 0.0 * self._state["arousal"]], axis=1)
         commands = of["signs"] * xp.take(shares, self._hinge, axis=1) + of["is_muscle"] * self._tone * arousal

@@ -94,9 +94,7 @@ class Joints:
     is_muscle: FloatArray
     """1 of commands that pull one way only, else 0, shape (n,)."""
     low: FloatArray
-    """Smallest command, shape (n,)."""
     high: FloatArray
-    """Largest command, shape (n,)."""
 
 
 def joints_of(entry: ActuationEntry, actuation: Actuation) -> Joints:

@@ -28,14 +28,7 @@ class Reflexes:
     """
 
     def __init__(self, batch: Batch, late_months: float | FloatArray = 0.0, reflexes: Mapping[str, Reflex] = REFLEXES):
-        """Bind reflexes to infants.
-
-        Args:
-            batch: The infants.
-            late_months: By how much they are later than in most children, or earlier if it is negative: of all, or of
-                each, shape (k,).
-            reflexes: Those that they can have.
-        """
+        """Bind reflexes, all of them or each, shape (k,), *late_months* later than in most children."""
         self._batch, self._late_months, self._reflexes = batch, late_months, reflexes
         self._count = len(batch.infants)
         infant = batch.infants[0]
@@ -74,7 +67,9 @@ class Reflexes:
 
     def reset(self, rows: Any = True) -> None:
         """Let the infants of some rows forget what they sensed, a boolean array of shape (k,); by default all."""
-        rows = self._batch.put(np.broadcast_to(_on_cpu(rows), self._count))
+        rows = self._batch.put(
+            np.broadcast_to(np.asarray(rows.cpu() if hasattr(rows, "cpu") else rows, bool), self._count)
+        )
         self._forget(dict.fromkeys(self._state, rows))
 
     def _forget(self, rows: Mapping[str, Any]) -> None:
@@ -95,7 +90,6 @@ class Reflexes:
         return {**shares, **{f"{name}_without_{sense}": True for name, sense in self.idle.items()}}
 
     def _first(self) -> dict[str, Mapping[str, Any]]:
-        """Return what is remembered when episodes begin."""
         starts = {"": BALANCE, **{name: reflex.start for name, reflex in self._reflexes.items()}}
         return {
             name: {key: self._batch.put(np.full(self._count, value)) for key, value in start.items()}
@@ -127,7 +121,6 @@ class ReflexPolicy:
     """The reflexes of one infant."""
 
     def __init__(self, reflexes: Reflexes):
-        """Take those of a batch of one."""
         self.reflexes = reflexes
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
@@ -153,11 +146,7 @@ def bind(env: Infant, late_months: str = "0") -> ReflexPolicy:
 
 
 def bind_many(batch: Batch, late_months: str = "0") -> Reflexes:
-    """Return the policy for many infants; see `Reflexes`.
-
-    Raises:
-        PolicyError: If its argument is no number of months.
-    """
+    """Return the policy for many infants, see `Reflexes`; PolicyError if its argument is no number of months."""
     try:
         months = float(late_months)
     except ValueError:
@@ -168,7 +157,3 @@ def bind_many(batch: Batch, late_months: str = "0") -> Reflexes:
             f"{MOST_MONTHS:g}; write reflexes:1.5"
         )
     return Reflexes(batch, months)
-
-
-def _on_cpu(rows: Any) -> np.ndarray:
-    return np.asarray(rows.cpu() if hasattr(rows, "cpu") else rows, bool)

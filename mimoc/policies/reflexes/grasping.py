@@ -14,7 +14,6 @@ GRIP, TIGHT = 0.6, 0.4
 PULL_RAD_S = 1.0
 """Speed of fingers being opened that adds all of it."""
 TOES = 0.6
-"""Drive of the toes."""
 
 PALMAR = {f"{side} {what}": 0.0 for side in SIDES for what in ("grip", "pull")}
 PLANTAR = {f"{side} grip": 0.0 for side in SIDES}

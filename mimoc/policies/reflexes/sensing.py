@@ -28,15 +28,12 @@ class Sensed:
 
     xp: Any
     step_s: float
-    """Time of a control step."""
     weight_n: Any
-    """Weight of each."""
     pressure_n: Mapping[str, Any]
     """Force on each area of skin, such as `right palm`; empty without touch."""
     angle_rad: Mapping[str, Any]
     """Angle of each joint, such as `right_elbow`; empty without proprioception."""
     speed_rad_s: Mapping[str, Any]
-    """Its velocity."""
     head_rate_rad_s: tuple[Any, Any, Any]
     """Angular velocity of the head in its frame: x forwards, y left, z up; zeros without a vestibular sense."""
     head_force_m_s2: tuple[Any, Any, Any]
@@ -81,19 +78,13 @@ class Sensed:
 
 
 JOINTS = (*NECK, *(f"{side}_{name}" for side in SIDES for name in ("fingers", "mf_knuckle")))
-"""The joints that are read."""
 
 
 class Senses:
     """Reads observations of k infants; bound to their bodies."""
 
     def __init__(self, batch: Batch, touch_numbers: int):
-        """Find what is read.
-
-        Args:
-            batch: The infants.
-            touch_numbers: How many numbers an observation of touch has, 0 without.
-        """
+        """Find what is read; *touch_numbers* is how many numbers an observation of touch has, 0 without."""
         self._batch, infant = batch, batch.infants[0]
         senses = [name for name in ("proprioception", "vestibular", "touch") if name in infant.senses]
         self.names = tuple(senses)
@@ -116,13 +107,7 @@ class Senses:
         self._balance = infant.layout("vestibular") if "vestibular" in senses else ()
 
     def __call__(self, observation: Mapping[str, Any], balance: Mapping[str, Any], chance: Any) -> tuple[Sensed, dict]:
-        """Return what is sensed, and what balance remembers.
-
-        Args:
-            observation: The observation, arrays with a leading axis of k.
-            balance: What it remembered before; see `BALANCE`.
-            chance: Numbers from 0 to 1, shape (k,).
-        """
+        """Return what is sensed, and what balance remembers (`BALANCE`), by chances from 0 to 1, shape (k,)."""
         real, zero = self._batch.real, 0.0 * chance
         joints = real(observation["proprioception"]) if self._angles else None
         angles = {name: joints[:, index] for name, index in self._angles.items()} if joints is not None else {}
@@ -150,7 +135,6 @@ class Senses:
         return sensed, balance
 
     def _head(self, observation: Mapping[str, Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Return specific force and angular velocity of the head."""
         if not self._balance:
             return (zero, zero, zero), (zero, zero, zero)
         felt, vectors = self._batch.real(observation["vestibular"]), []

@@ -20,7 +20,6 @@ class Patch:
     """
 
     bodies: str
-    """Pattern of the bodies' names."""
     inward: tuple[float, float, float]
     """Direction of what presses on it, in the frame of the body; for touch that is told by the sum on each body."""
     low: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -39,22 +38,13 @@ AREAS: Mapping[str, tuple[Patch, ...]] = {
     ),
     "foot back": (Patch("{side}_(foot|toes|big_toe)", (0, 0, -1), low=(0, 0, 0.65)),),
 }
-"""The areas of each side."""
 
 
 class Area:
     """How hard something presses on one area of k infants, in [N]."""
 
     def __init__(self, batch: Batch, side: str, patches: tuple[Patch, ...], width: int, is_sum: bool):
-        """Find the numbers of touch that belong to it.
-
-        Args:
-            batch: The infants.
-            side: `right` or `left`.
-            patches: What it is made of.
-            width: How many numbers a point has.
-            is_sum: Whether the sum of the forces on each body is told, instead of those at all points.
-        """
+        """Find the numbers of touch that belong to it, *width* a point; *is_sum* adds the forces on each body."""
         self._xp, self._width = batch.xp, width
         touches: list[Any] = [infant.senses["touch"] for infant in batch.infants]
         if is_sum:

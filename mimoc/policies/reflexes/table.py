@@ -8,8 +8,7 @@ ours, and stand beside what they are of.
 from collections.abc import Mapping
 
 from mimoc.policies.reflexes import grasping, legs, moro, neck, protective
-from mimoc.policies.reflexes.ages import AgeWindow
-from mimoc.policies.reflexes.reflex import Reflex
+from mimoc.policies.reflexes.reflex import AgeWindow, Reflex
 
 _ALL = (
     Reflex(

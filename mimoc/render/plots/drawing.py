@@ -20,11 +20,9 @@ class Shape:
     """A line, an area, a dot or a text."""
 
     tag: str
-    """Element of SVG."""
     kind: str
     """Classes of the style sheet; of a text, `start`, `middle` or `end` says which end of it is at the point."""
     places: tuple[tuple[str, str], ...]
-    """Attributes of the element."""
     text: str = ""
     titles: tuple[str, ...] = ()
     """What is said while a pointer rests on it, if anything."""
@@ -38,7 +36,6 @@ class Drawing:
     title: str
     """What it shows, for those who cannot see it."""
     size: Point
-    """Width and height."""
     shapes: Sequence[Shape]
     """Those behind first."""
     kind: str = "plot"
@@ -87,7 +84,6 @@ def label(at: Point, text: str, kind: str) -> Shape:
 
 WIDTH, HEIGHT = 340.0, 220.0
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 14.0, 26.0, 34.0
-"""Margins around the data."""
 NOTES = 30.0
 """Margin at the right where texts beside points need room."""
 MARGIN = 0.05

@@ -57,11 +57,7 @@ LOOKS: Mapping[str, dict[str, Any]] = {
 
 
 def require_matplotlib() -> None:
-    """Check that matplotlib is installed.
-
-    Raises:
-        MissingExtraError: If it is not.
-    """
+    """Check that matplotlib is installed; raise a MissingExtraError if it is not."""
     try:
         import_module("matplotlib.figure")
     except ImportError:
@@ -69,32 +65,19 @@ def require_matplotlib() -> None:
 
 
 def check_plot_name(path: str | Path) -> None:
-    """Check, before anything is drawn, that the name of a file has the extension of a supported format.
-
-    Raises:
-        OutputError: If it has not.
-    """
+    """Raise an OutputError, before anything is drawn, unless a file's name has the extension of a supported format."""
     if Path(path).suffix.lower() not in FORMATS:
         raise OutputError(f"{path}: not a supported format for plots; end it in {', '.join(FORMATS)}")
 
 
 def write_sheet(sheet: Sheet, path: str | Path) -> None:
-    """Write plots as a picture, in the format of the file's name.
-
-    Raises:
-        OutputError: If the file cannot be written there.
-        MissingExtraError: If matplotlib is not installed.
-    """
+    """Write plots as a picture, in the format of the file's name, or raise an OutputError or MissingExtraError."""
     check_plot_name(path)
     write_file(path, encode(sheet, Path(path).suffix.lower()))
 
 
 def encode(sheet: Sheet, suffix: str = ".png") -> bytes:
-    """Return plots as a picture in a format of `FORMATS`; the same plots give the same bytes.
-
-    Raises:
-        MissingExtraError: If matplotlib is not installed.
-    """
+    """Return plots in a format of `FORMATS`, always the same bytes; MissingExtraError without matplotlib."""
     figure = draw(sheet)
     from matplotlib import rc_context
 
@@ -105,11 +88,7 @@ def encode(sheet: Sheet, suffix: str = ".png") -> bytes:
 
 
 def draw(sheet: Sheet) -> "Figure":
-    """Return the figure of some plots, which is independent of pyplot and of any display.
-
-    Raises:
-        MissingExtraError: If matplotlib is not installed.
-    """
+    """Return the figure of some plots, independent of pyplot and any display; MissingExtraError without matplotlib."""
     require_matplotlib()
     from matplotlib.figure import Figure
 
@@ -136,7 +115,6 @@ def draw(sheet: Sheet) -> "Figure":
 
 
 def _add_legend(figure: "Figure", handles: Mapping[str, Any]) -> None:
-    """Put a legend above the plots, in as many columns as fit."""
     for columns in range(max(1, min(len(handles), MAX_COLUMNS)), 0, -1):
         legend = figure.legend([*handles.values()], [*handles], loc="upper center", ncols=columns, frameon=False)
         if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
@@ -158,7 +136,6 @@ def _styles_of(plots: Sequence[Plot]) -> dict[str, dict[str, Any]]:
 
 
 def _draw_plot(axes: "Axes", plot: Plot, styles: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Draw a plot; return the handle of each label for a legend."""
     handles: list[Any] = []
     for line in plot.lines:
         style = {**styles.get(line.label, {}), "marker": "", "linewidth": 1.5, **LOOKS.get(line.look, {})}

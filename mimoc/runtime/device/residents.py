@@ -55,7 +55,7 @@ class StartingInfant(InfantEnv):
         )
 
     keypoints = effort = play = set_arousal = set_expression = _stands_for_others
-    skin = property(_stands_for_others)
+    skin = property(_stands_for_others)  # pyright: ignore[reportIncompatibleMethodOverride] - Refused likewise.
 
     @property
     def has_other_scenes(self) -> bool:

@@ -24,20 +24,16 @@ from mimoc.studies.bench.entrant import bound_policy, digests_of
 from mimoc.studies.bench.running import LIBRARIES, Progress, checked_file
 from mimoc.studies.bench.table import babybench_spec, bench_table
 
-SELF_TOUCH, HAND_REGARD = "self_touch", "hand_regard"
+SELF_TOUCH = "self_touch"
 EPISODES, STEPS, RANDOM_STEPS = 10, 1000, 10
 """Episodes of an evaluation, control steps of each, and random steps that come before an episode."""
-MOST_LOGS = 10_000
-"""Of so many last episodes is the score."""
-GEOMS = 34
-"""Geoms of BabyBench's infant that either hand can touch."""
-HALF_FIELD_DEG = 15.0
-"""Angle at the eye within which a hand counts as looked at."""
+MOST_LOGS = 10_000  # Of so many last episodes is the score.
+GEOMS = 34  # Geoms of BabyBench's infant that either hand can touch.
+HALF_FIELD_DEG = 15.0  # Angle at the eye within which a hand counts as looked at.
 SIDES = "right", "left"
 PAIRS = tuple((eye, hand) for hand in SIDES for eye in SIDES)
 
-Log = Mapping[str, Any]
-"""What is logged of an episode, by BabyBench's keys."""
+Log = Mapping[str, Any]  # What is logged of an episode, by BabyBench's keys.
 
 
 class BabyBenchResults(Model):
@@ -101,7 +97,6 @@ class TouchLog:
     """Logs which geoms of the infant its hands touch in an episode, without their fingers, as BabyBench's has them."""
 
     def __init__(self, env: InfantEnv):
-        """Begin an episode."""
         model = env.model
         self._env = env
         self._hands = {side: set(np.flatnonzero(model.geom_bodyid == model.body(f"{side}_hand").id)) for side in SIDES}
@@ -129,10 +124,8 @@ class RegardLog:
     def __init__(self, env: InfantEnv, *, in_sight: bool = False):
         """Begin an episode.
 
-        Args:
-            env: The infant.
-            in_sight: Whether eyes look where their cameras look. BabyBench takes the axis -z of the eye's body, which
-                points down: the cameras of MIMo's eyes look along x.
+        BabyBench looks along the axis -z of the eye's body, which points down: the cameras of MIMo's eyes look along x,
+        and *in_sight* looks where they do.
         """
         self._env, self._in_sight = env, in_sight
         self._eyes = {eye.side: eye for eye in env.manifest.anatomy.eyes}
@@ -179,7 +172,9 @@ def run_babybench(
     first = bench_table().seeds.test[0]
     with closing(InfantEnv(pipeline.build(spec))) as env:
         env.reset(seed=first)
-        act, episode_logs = bound_policy(env, policy), [_logs_of(_begun(env, behaviour, looked=True), 0)]
+        act, loggers = bound_policy(env, policy), _begun(env, behaviour)
+        _look(loggers)
+        episode_logs = [_logs_of(loggers, 0)]
         for number in range(episodes):
             episode_logs.append(_run_episode(env, act, first + number, behaviour))
             progress(number + 1, episodes)
@@ -199,12 +194,8 @@ def run_babybench(
     return results
 
 
-def _begun(env: InfantEnv, behaviour: str, *, looked: bool = False) -> Sequence[TouchLog | RegardLog]:
-    """Return what logs an episode that begins: what BabyBench logs, and beside hand regard, that in sight."""
-    loggers = [TouchLog(env)] if behaviour == SELF_TOUCH else [RegardLog(env), RegardLog(env, in_sight=True)]
-    if looked:
-        _look(loggers)
-    return loggers
+def _begun(env: InfantEnv, behaviour: str) -> Sequence[TouchLog | RegardLog]:
+    return [TouchLog(env)] if behaviour == SELF_TOUCH else [RegardLog(env), RegardLog(env, in_sight=True)]
 
 
 def _run_episode(env: InfantEnv, act: Policy, seed: int, behaviour: str) -> tuple[Log, ...]:

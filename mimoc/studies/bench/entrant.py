@@ -16,8 +16,7 @@ from mimoc.policies.spec import parse_policy
 from mimoc.runtime.env import InfantEnv
 from mimoc.studies.bench.table import Cell
 
-MOST_BYTES = 2**29
-"""Of a file of a policy that results name: 512 MB, as of any policy."""
+MOST_BYTES = 2**29  # Of a file of a policy that results name: 512 MB, as of any policy.
 
 
 def text_for(text: str, cell: Cell) -> str:
@@ -26,22 +25,14 @@ def text_for(text: str, cell: Cell) -> str:
 
 
 def bound_policy(env: InfantEnv, text: str) -> Policy:
-    """Return a policy for an environment: all that `policy_of` takes by name, or a class as `module:Class`.
-
-    Raises:
-        MimocError: If there is no such policy, or it does not fit this infant.
-    """
+    """Return a policy for an environment, by name or as `module:Class`; raise a MimocError if none fits this infant."""
     return policy_of(env, class_or_text(text), _load)
 
 
 def digests_of(texts: Iterable[str]) -> dict[str, str]:
-    """Return the digests of all files that decide what policies do, by their paths as they were written.
+    """Return digests of trained policies, named files and folders, and modules of classes, by their paths as written.
 
-    These are trained policies, files and folders named after a colon, and the modules of classes. Those that ship with
-    mimoc are known by its version.
-
-    Raises:
-        MimocError: If a text is no policy.
+    Those that ship with mimoc are known by its version. A text that is no policy raises a MimocError.
     """
     return digests({name: path.read_bytes() for text in dict.fromkeys(texts) for name, path in _files_of(text)})
 
@@ -50,15 +41,7 @@ def check_files(policy: str, texts: Iterable[str], recorded: Mapping[str, str]) 
     """Check that the policy of a file of results has the files that it recorded, below the current folder.
 
     Anyone may have written that file. So nothing outside of the current folder is read, nothing that is not recorded,
-    and no module is imported before it has been compared.
-
-    Args:
-        policy: The policy as it was named.
-        texts: The same for each task and age.
-        recorded: Digests of its files.
-
-    Raises:
-        PolicyError: If it has other files, or some elsewhere.
+    and no module is imported before it has been compared. Other files, or some elsewhere, are a PolicyError.
     """
     trust = "; if you trust it, name it yourself with --policy"
     contents = dict[str, bytes]()

@@ -46,11 +46,7 @@ class BenchResults(Model):
 
 
 def read_results(path: str | Path) -> BenchResults:
-    """Read what a policy scored.
-
-    Raises:
-        BundleError: If the file is no such result, or of another benchmark.
-    """
+    """Read what a policy scored; raise a BundleError if the file is no such result, or of another benchmark."""
     path, version = Path(path).expanduser(), bench_table().benchmark
     try:
         results = read_json_file(path, BenchResults)
@@ -102,7 +98,6 @@ def _code(text: str) -> str:
 
 
 def _success(scores: CellScores | None) -> str:
-    """Return a share with its interval; of a task without a goal, the distance to real infants."""
     if scores is None:
         return ""
     if scores.success is None or scores.success_95 is None:
@@ -112,7 +107,6 @@ def _success(scores: CellScores | None) -> str:
 
 
 def _mean(entry: BenchResults, name: str) -> float | None:
-    """Return the mean of a score over the tasks and ages that have it."""
     values = [value for scores in entry.scored.values() if (value := getattr(scores, name)) is not None]
     return math.fsum(values) / len(values) if values else None
 

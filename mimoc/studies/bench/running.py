@@ -15,14 +15,11 @@ from mimoc.studies.bench.entrant import bound_policy, check_files, digests_of, t
 from mimoc.studies.bench.results import BenchResults, differences, read_results
 from mimoc.studies.bench.scores import CellScores, score_cell
 from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
-from mimoc.studies.kept_results import keep, kept_file, read_kept
-from mimoc.studies.processes import process_pool
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 
 LIBRARIES = ("mujoco", "numpy")
-Progress = Callable[[int, int], None]
-"""Called with the number of episodes done and their total."""
-Job = tuple[Cell, str, int]
-"""A cell, the policy for it, and how many episodes there are."""
+Progress = Callable[[int, int], None]  # Called with the number of episodes done and their total.
+Job = tuple[Cell, str, int]  # A cell, the policy for it, and how many episodes there are.
 
 
 @takes("the name of a policy", str)
@@ -67,7 +64,13 @@ def run_bench(
     kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec_text) for job in jobs}
     results = {job: scores for job, file in kept.items() if (scores := read_kept(file, CellScores, below=out.parent))}
     waiting = [job for job in jobs if job not in results]
-    _check_fit(waiting)
+    for cell, text, _ in waiting:  # Before anything takes time or is written.
+        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
+            env.reset(seed=bench_table().seeds.test[0])
+            try:
+                bound_policy(env, text)
+            except MimocError as error:
+                raise PolicyError(f"{cell.name}: {error}") from None
     total, done = sum(job[2] for job in jobs), sum(job[2] for job in results)
     progress(done, total)
     for job, scores in _scored(waiting, processes):
@@ -143,12 +146,7 @@ def verify_bench(
 def write_specs(
     folder: str | Path, tasks: Sequence[str] | None = None, ages_months: Sequence[float] | None = None
 ) -> list[Path]:
-    """Write the specs of the benchmark's infants, to train for them: `reach_9.yaml` and so on; return their paths.
-
-    Raises:
-        UnknownNameError: If there is no such task.
-        OutputError: If one cannot be written.
-    """
+    """Write the specs of the benchmark's infants, to train for them: `reach_9.yaml` and so on; return their paths."""
     folder = Path(folder).expanduser()
     cells = chosen_cells(tasks, ages_months)
     make_folder(folder, below=folder.parent)
@@ -164,17 +162,6 @@ def checked_file(out: str | Path) -> Path:
         raise OutputError(f"{path}: there is no folder {path.parent}; make it, or choose another place")
     check_place(path)
     return path
-
-
-def _check_fit(jobs: Sequence[Job]) -> None:
-    """Bind the policy to each infant, before anything takes time or is written."""
-    for cell, text, _ in jobs:
-        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
-            env.reset(seed=bench_table().seeds.test[0])
-            try:
-                bound_policy(env, text)
-            except MimocError as error:
-                raise PolicyError(f"{cell.name}: {error}") from None
 
 
 def _scored(jobs: Sequence[Job], processes: int) -> Iterator[tuple[Job, CellScores]]:

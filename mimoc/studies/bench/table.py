@@ -15,8 +15,7 @@ from mimoc.schema.source import FileKind
 from mimoc.schema.yaml_document import dump
 
 FILE = Path(__file__).with_name("tasks.yaml")
-BABYBENCH_MONTHS = 18.0
-"""Age of MIMo's body, which BabyBench has."""
+BABYBENCH_MONTHS = 18.0  # Age of MIMo's body, which BabyBench has.
 
 
 class BenchTask(Model):
@@ -105,12 +104,7 @@ def bench_table() -> BenchTable:
 
 
 def chosen_cells(tasks: Sequence[str] | None = None, ages_months: Sequence[float] | None = None) -> list[Cell]:
-    """Return the cells of some tasks at those of some ages that they have; None means all.
-
-    Raises:
-        UnknownNameError: If there is no such task.
-        MimocError: If no chosen task has an age.
-    """
+    """Return the cells of some tasks at some ages (None is all); raise a MimocError if there are none."""
     table = bench_table()
     for name in tasks or ():
         check_name("task of the benchmark", name, list(table.tasks))

@@ -13,7 +13,7 @@ from mimoc.policies.spec import parse_policy
 from mimoc.schema import source as sources
 from mimoc.schema.base import plain
 from mimoc.schema.cohort_file import COHORT, CohortSpec
-from mimoc.schema.cohort_steps import ExperimentStep, RunStep, StepSpec, TrainStep, step_of
+from mimoc.schema.cohort_steps import ExperimentStep, RunStep, TrainStep, step_of
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.reading import read_keys
 from mimoc.schema.source import Source
@@ -24,8 +24,7 @@ from mimoc.studies.cohorts.run_jobs import failed_result
 from mimoc.studies.cohorts.store import Store
 from mimoc.studies.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
 
-Progress = Callable[[int, int], None]
-"""Called with the number of jobs done and their total."""
+Progress = Callable[[int, int], None]  # Called with the number of jobs done and their total.
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +40,7 @@ class Failure:
 class Status:
     """How far the jobs of a cohort are."""
 
-    counts: Mapping[str, Mapping[str, int]]
-    """Number of jobs that are `ok`, `failed` or `missing`, by step."""
+    counts: Mapping[str, Mapping[str, int]]  # Number of jobs that are `ok`, `failed` or `missing`, by step.
     failures: tuple[Failure, ...]
 
     def number(self, state: str) -> int:
@@ -87,7 +85,6 @@ class Cohort:
         self._base: Source = base
 
     def __repr__(self) -> str:
-        """Return its name and file."""
         return f"Cohort({self.spec.cohort!r}, {self._source.file!r})"
 
     @cached_property
@@ -128,7 +125,20 @@ class Cohort:
         for index, item in enumerate(self.spec.do):
             name, step = step_of(item)
             try:
-                _check(step)
+                if isinstance(step, RunStep):
+                    parse_policy(step.policy)
+                elif isinstance(step, ExperimentStep):
+                    # Takes time to import, in each process that does jobs.
+                    from mimoc.studies.experiments import check_experiment
+
+                    check_experiment(step.name, step.development)
+                elif isinstance(step, TrainStep):
+                    from mimoc.training import growth_settings  # Needs Stable-Baselines3.
+                    from mimoc.training.settings import TrainingSettings
+
+                    growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
+                    settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
+                    TrainingSettings.choose(*settings, steps_per_episode=step.steps_per_episode)
             except MissingExtraError:
                 raise
             except MimocError as error:
@@ -222,7 +232,6 @@ class Cohort:
 
 
 def _store(out: str | Path) -> Store:
-    """Return the folder of a cohort; raise a MimocError if it is none."""
     store = Store(Path(out).expanduser())
     store.check()
     return store
@@ -278,19 +287,3 @@ def status_of(jobs: Iterable[Job], store: Store) -> Status:
         if result and not result.ok:
             failures.append(Failure(job, result.error, store.log(job)))
     return Status(counts, tuple(failures))
-
-
-def _check(step: StepSpec) -> None:
-    if isinstance(step, RunStep):
-        parse_policy(step.policy)
-    elif isinstance(step, ExperimentStep):
-        from mimoc.studies.experiments import check_experiment  # Takes time to import, in each process that does jobs.
-
-        check_experiment(step.name, step.development)
-    elif isinstance(step, TrainStep):
-        from mimoc.training import growth_settings  # Needs Stable-Baselines3.
-        from mimoc.training.settings import TrainingSettings
-
-        growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
-        settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
-        TrainingSettings.choose(*settings, steps_per_episode=step.steps_per_episode)

@@ -21,30 +21,24 @@ from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
 from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
 
-MAX_INFANTS = 1_000_000
-"""Infants of one cohort: a million take 3 GB of memory."""
-Place = tuple[str | int, ...]
-"""Path in the cohort file of a value that was chosen."""
+MAX_INFANTS = 1_000_000  # Infants of one cohort: a million take 3 GB of memory.
+Place = tuple[str | int, ...]  # Path in the cohort file of a value that was chosen.
 
 
 @dataclass(frozen=True, slots=True)
 class DesignRow:
     """One infant, as the cohort's design chooses it."""
 
-    child: int | None
-    """Number of its child; None if the cohort has no children."""
-    values: tuple[tuple[str, Any, Place], ...]
-    """Value of each varied key, and where in the file it stands."""
+    child: int | None  # Number of its child; None if the cohort has no children.
+    values: tuple[tuple[str, Any, Place], ...]  # Value of each varied key, and where in the file it stands.
 
 
 @dataclass(frozen=True, slots=True)
 class CohortInfant:
     """One infant of a cohort."""
 
-    factors: Mapping[str, Any]
-    """What tells it from the others: its child, and the value of each varied key."""
-    data: Mapping[str, Any]
-    """Its spec, as it would be written in a file."""
+    factors: Mapping[str, Any]  # What tells it from the others: its child, and the value of each varied key.
+    data: Mapping[str, Any]  # Its spec, as it would be written in a file.
     spec: InfantSpec
 
 
@@ -56,11 +50,7 @@ def children_of(cohort: CohortSpec) -> tuple[IndividualSpec, ...]:
 
 
 def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[CohortInfant, ...]:
-    """Return all infants of a cohort, in the order of its design, made from the spec *base*.
-
-    Raises:
-        SpecError: If some combinations of values are invalid; the error names the values.
-    """
+    """Return all infants of a cohort, in the order of its design; a SpecError names combinations that are invalid."""
     _check_number(cohort, source)
     children, origin = children_of(cohort), read_spec(base)
     _check_children(cohort, source, origin)
@@ -112,7 +102,6 @@ def _check_number(cohort: CohortSpec, source: Source) -> None:
 
 
 def _choices(cohort: CohortSpec, children: int) -> Iterator[DesignRow]:
-    """Yield what the design chooses, the children outermost."""
     numbers: Sequence[int | None] = range(children) if children else (None,)
     if isinstance(cohort.design, SampleDesign):
         yield from _sampled(cohort, cohort.design, numbers)
@@ -226,10 +215,9 @@ LENGTH_HEAD, WEIGHT_HEAD = 0.45, 0.5
 Geraedts et al. 2011 (Horm Res Paediatr 75:213-219; 14,500 Dutch children) find that the head correlates with both, most
 at birth and, after a rapid decline, at a stable level. Only their abstract was at hand, which gives no numbers.
 """
-CORRELATIONS = np.array(
+CORRELATIONS = np.array(  # Correlations of the z-scores of length, weight and head, shape (3, 3).
     [[1, LENGTH_WEIGHT, LENGTH_HEAD], [LENGTH_WEIGHT, 1, WEIGHT_HEAD], [LENGTH_HEAD, WEIGHT_HEAD, 1]]
 )
-"""Correlations of the z-scores of length, weight and head, shape (3, 3)."""
 
 FAT_BUILD = 0.6
 """Correlation of the z-scores of fat and of weight for length: between .51 of weight for length and .73 of BMI, which
@@ -240,8 +228,7 @@ RATE_SD = 0.18
 """Standard deviation of the logarithm of the rate of maturation, which is correlated with nothing (D): fitted to WHO's
 standard deviation of the age of sitting, 1.1 months, with what size and fat add to it."""
 
-_FURTHEST = 1e-9
-"""Smallest probability of a tail that is drawn from, so that no draw is infinite."""
+_FURTHEST = 1e-9  # Smallest probability of a tail that is drawn from, so that no draw is infinite.
 
 
 def draw_children(wanted: DrawnChildren) -> tuple[IndividualSpec, ...]:

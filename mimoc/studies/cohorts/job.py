@@ -22,8 +22,7 @@ from mimoc.schema.infant import to_data
 from mimoc.studies.cohorts.infants import CohortInfant
 from mimoc.version import __version__
 
-WITHOUT_INFANT = ("experiment",)
-"""Steps that bring their own infants."""
+WITHOUT_INFANT = ("experiment",)  # Steps that bring their own infants.
 MAX_JOBS = 1_000_000
 
 
@@ -31,24 +30,16 @@ MAX_JOBS = 1_000_000
 class Job:
     """One step with one infant and one seed, as plain data that any process can be handed."""
 
-    key: str
-    """Hash of all that determines the result."""
-    cohort: str
-    """Name of the cohort."""
-    factors: Mapping[str, Any]
-    """What tells its infant from the others."""
+    key: str  # Hash of all that determines the result.
+    cohort: str  # Name of the cohort.
+    factors: Mapping[str, Any]  # What tells its infant from the others.
     step: str
-    options: Mapping[str, Any]
-    """Options of the step."""
+    options: Mapping[str, Any]  # Options of the step.
     seed: int | None
-    data: Mapping[str, Any] | None
-    """The spec of its infant; None for a step that brings its own infants."""
-    folder: str
-    """Folder of the cohort file, where modules and policies are."""
-    spec_folder: str
-    """Folder that paths in the spec are relative to."""
-    own_measures: tuple[str, ...]
-    """Functions of the user's own that measure, as `module:function`."""
+    data: Mapping[str, Any] | None  # The spec of its infant; None for a step that brings its own infants.
+    folder: str  # Folder of the cohort file, where modules and policies are.
+    spec_folder: str  # Folder that paths in the spec are relative to.
+    own_measures: tuple[str, ...]  # Functions of the user's own that measure, as `module:function`.
 
     @property
     def infant(self) -> str:
@@ -57,11 +48,7 @@ class Job:
 
 
 def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
-    """Return all jobs of a cohort, those of one infant next to each other; equal ones are one.
-
-    Raises:
-        MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
-    """
+    """Return all jobs, those of one infant next to each other and equal ones once; a MimocError says what they lack."""
     place, home = str(folder.resolve()), str(spec_folder.resolve())
     functions_named = tuple(name for name in cohort.measure if name not in measures())
     steps = [*_steps(cohort)]
@@ -95,7 +82,6 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, s
 
 
 def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None]]:
-    """Yield name, options and seed of each step, one for each seed."""
     for item in cohort.do:
         name, chosen = step_of(item)
         options = chosen.model_dump(mode="json")
@@ -112,7 +98,6 @@ def _added_measures(step: str) -> tuple[str, ...]:
 
 
 def _policy_digest(path: Path) -> str:
-    """Return the digest of the file of a trained policy; raise a MimocError if it cannot be read."""
     try:
         return f"sha256:{sha256(path.read_bytes()).hexdigest()}"
     except OSError as error:
@@ -120,16 +105,11 @@ def _policy_digest(path: Path) -> str:
 
 
 def _text(data: Any) -> str:
-    """Return plain data as text, the same for the same data."""
     return json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False, default=dict)
 
 
 def import_function(name: str, folder: str) -> Callable[..., Any]:
-    """Return a function that is named as `module:function`; the module can be in a folder.
-
-    Raises:
-        MimocError: If there is no such module or function.
-    """
+    """Return a function named as `module:function`, perhaps in a folder; raise a MimocError if there is none."""
     module_name, _, function = name.partition(":")
     with _found_in(folder):
         known, wanted = sys.modules.get(module_name), _beside(module_name, folder)
@@ -145,11 +125,7 @@ def import_function(name: str, folder: str) -> Callable[..., Any]:
 
 
 def digest_of(name: str, folder: str) -> str:
-    """Return the digest of the file of a function's module, so that jobs with an older version are done again.
-
-    Raises:
-        MimocError: If there is no such module.
-    """
+    """Return the digest of a function's module, so that jobs with an older version are done again; or a MimocError."""
     module_name = name.partition(":")[0]
     with _found_in(folder):
         try:
@@ -171,7 +147,6 @@ def _beside(module: str, folder: str) -> ModuleSpec | None:
 
 @contextmanager
 def _found_in(folder: str) -> Iterator[None]:
-    """Let modules in a folder be found."""
     invalidate_caches()
     sys.path.insert(0, folder)
     try:

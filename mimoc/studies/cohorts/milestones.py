@@ -29,8 +29,7 @@ PUBLISHED_ODDS: Mapping[str, tuple[float, float, float]] = {
 }
 """Odds of a delay, relative to all others, and their 95 % interval, by group: each the uppermost tenth, by weight for
 length and by skinfolds. A delay was a score of motor development of more than one standard deviation below the mean."""
-UPPERMOST = NormalDist().inv_cdf(0.9)
-"""z-score from which on a child is of a group."""
+UPPERMOST = NormalDist().inv_cdf(0.9)  # z-score from which on a child is of a group.
 ALL = "all together"
 
 
@@ -39,14 +38,11 @@ class MilestoneSpread:
     """The ages at which the children of a cohort reach a milestone."""
 
     trial: str
-    n: int
-    """Children that reach it."""
-    not_reached: int
-    """Children that do not, by 24 months."""
+    n: int  # Children that reach it.
+    not_reached: int  # Children that do not, by 24 months.
     mean_months: float | None
     sd_months: float | None
-    who: str
-    """WHO's milestone that comes nearest; empty if there is none."""
+    who: str  # WHO's milestone that comes nearest; empty if there is none.
     who_mean_months: float | None
     who_sd_months: float | None
 
@@ -57,15 +53,12 @@ class DelayOdds:
 
     trial: str
     group: str
-    n: int
-    """Children of the group."""
-    late: int
-    """Those of them that are late."""
+    n: int  # Children of the group.
+    late: int  # Those of them that are late.
     others: int
     late_others: int
     odds_ratio: float
-    low: float
-    """Of its 95 % interval, by Woolf's method with a half added to each number."""
+    low: float  # Of its 95 % interval, by Woolf's method with a half added to each number.
     high: float
 
 
@@ -86,11 +79,7 @@ class MilestoneSummary:
 
 
 def milestone_summary(rows: Rows) -> MilestoneSummary:
-    """Return when the children in the table of a cohort reach milestones.
-
-    Raises:
-        MimocError: If no milestones have been found, because the cohort has no such step, or it is not done.
-    """
+    """Return when the children in the table of a cohort reach milestones; raise a MimocError if none are found."""
     children = [row for row in rows if row["step"] == "milestones" and row["status"] == "ok"]
     ages = {trial: [row.get(quantity.name) for row in children] for trial, quantity in MILESTONE_AGES.items()}
     tried = {trial: column for trial, column in ages.items() if f"{trial}_months" in (children[0] if children else ())}
@@ -99,9 +88,7 @@ def milestone_summary(rows: Rows) -> MilestoneSummary:
     scores = {trial: _scores(column) for trial, column in tried.items()}
     scores[ALL] = _scores([mean(of_child) for of_child in zip(*scores.values(), strict=True)])
     return MilestoneSummary(
-        tuple(_spread(trial, column) for trial, column in tried.items()),
-        tuple(_odds(children, scores)),
-        PUBLISHED_ODDS,
+        tuple(_spread(trial, column) for trial, column in tried.items()), tuple(_odds(children, scores)), PUBLISHED_ODDS
     )
 
 
@@ -134,15 +121,8 @@ def _odds(children: Rows, scores: Mapping[str, Sequence[float]]) -> Iterator[Del
 def _odds_of(trial: str, group: str, late: int, early: int, late_others: int, early_others: int) -> DelayOdds:
     a, b, c, d = (number + 0.5 for number in (late, early, late_others, early_others))
     logarithm, width = math.log(a * d / (b * c)), NormalDist().inv_cdf(0.975) * math.sqrt(1 / a + 1 / b + 1 / c + 1 / d)
-    return DelayOdds(
-        trial,
-        group,
-        late + early,
-        late,
-        late_others + early_others,
-        late_others,
-        *(math.exp(logarithm + sign * width) for sign in (0, -1, 1)),
-    )
+    odds = (math.exp(logarithm + sign * width) for sign in (0, -1, 1))
+    return DelayOdds(trial, group, late + early, late, late_others + early_others, late_others, *odds)
 
 
 def _z(child: Mapping[str, Cell], key: str) -> float | None:

@@ -13,29 +13,21 @@ from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import ASSETS, Result, Store, size_bytes
 from mimoc.studies.cohorts.table import varied_options
 
-TRIAL_S = 30.0
-"""Longest trial of a step; a step that takes longer is counted as this long."""
-SHORT, LONG = 50, 150
-"""Control steps of two trial runs, whose difference says how long a step takes."""
+TRIAL_S = 30.0  # Longest trial of a step; a step that takes longer is counted as this long.
+SHORT, LONG = 50, 150  # Control steps of two trial runs, whose difference says how long a step takes.
 
 
 @dataclass(frozen=True, slots=True)
 class StepPlan:
     """What a step of a cohort will take."""
 
-    step: str
-    """Its name, with the options that tell it from other steps of this name."""
+    step: str  # Its name, with the options that tell it from other steps of this name.
     jobs: int
-    done: int
-    """Jobs that have a result already."""
-    seconds: float | None
-    """CPU time of a job on one core, from its trial; None if there was none, as all are done."""
-    at_least: bool
-    """Whether the trial was stopped, so that jobs take longer than that."""
-    bytes: float
-    """Size of what a job leaves behind; 0 if there was no trial."""
-    error: str
-    """Why the trial failed; empty if it did not."""
+    done: int  # Jobs that have a result already.
+    seconds: float | None  # CPU time of a job on one core, from its trial; None if there was none, as all are done.
+    at_least: bool  # Whether the trial was stopped, so that jobs take longer than that.
+    bytes: float  # Size of what a job leaves behind; 0 if there was no trial.
+    error: str  # Why the trial failed; empty if it did not.
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +36,7 @@ class Plan:
 
     infants: int
     steps: tuple[StepPlan, ...]
-    processes: int
-    """Processes that this machine would use."""
+    processes: int  # Processes that this machine would use.
 
     @property
     def jobs(self) -> int:
@@ -65,17 +56,10 @@ class Plan:
 
 
 def plan(cohort: Cohort, out: str | Path, progress: Progress = lambda done, total: None) -> Plan:
-    """Return what a cohort will take, after a trial of each step that is not done.
-
-    Args:
-        cohort: The cohort.
-        out: The folder of the cohort, which need not exist; nothing is written to it.
-        progress: Called with the number of steps tried and their total.
+    """Return what a cohort will take, after a trial of each step that is not done; nothing is written to its folder.
 
     Raises:
-        SpecError: If some combinations of values are invalid, or a step is.
-        OutputError: If the folder holds anything else.
-        MimocError: If a module or a policy that it names does not exist.
+        MimocError: If it cannot be run, or the folder holds anything else.
     """
     jobs, store = cohort.jobs(), Store(Path(out).expanduser())
     store.check_usable()
@@ -152,7 +136,6 @@ def _recorded_bytes(job: Job, trials: Sequence[Job], store: Store) -> float:
 
 
 def _rollouts(job: Job) -> tuple[int, int]:
-    """Return the control steps of one and of two rollouts of a training."""
     from mimoc.training.settings import TrainingSettings
 
     named = {name: job.options[name] for name in ("algo", "steps", "envs", "checkpoint_every", "hyper")}

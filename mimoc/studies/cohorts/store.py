@@ -10,15 +10,13 @@ from typing import Any
 
 from mimoc.base.errors import BundleError, MimocError, OutputError
 from mimoc.base.rounding import render_json, rounded
-from mimoc.bundle.files import check_unlinked, make_folder, remove, write_error, write_file
+from mimoc.bundle.files import SharedFiles, check_unlinked, make_folder, remove, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
 from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, parse_json, read_json_file, regular_files
-from mimoc.bundle.shared_files import SharedFiles
 from mimoc.schema.cohort_file import MOST_BYTES, MarkFile, ResultFile
 from mimoc.studies.cohorts.job import Job
 
-MARK = "cohort.json"
-"""File that says that a folder is a cohort's."""
+MARK = "cohort.json"  # File that says that a folder is a cohort's.
 RESULTS, ASSETS = "results", "assets"
 FOLDERS = (RESULTS, "logs", "bundles", "runs", ASSETS)
 PROVENANCE = "provenance.json"
@@ -29,15 +27,11 @@ PROVENANCE = "provenance.json"
 class Result:
     """What became of a job."""
 
-    status: str
-    """`ok` or `failed`."""
+    status: str  # `ok` or `failed`.
     measures: Mapping[str, Any]
-    versions: Mapping[str, str]
-    """Versions of the software that did it."""
-    error: str = ""
-    """What went wrong, in one line."""
-    seconds: float = 0.0
-    """Wall time that it took."""
+    versions: Mapping[str, str]  # Versions of the software that did it.
+    error: str = ""  # What went wrong, in one line.
+    seconds: float = 0.0  # Wall time that it took.
 
     @property
     def ok(self) -> bool:
@@ -52,11 +46,7 @@ class Store:
     folder: Path
 
     def create(self, cohort: str) -> None:
-        """Make the folder, unless it exists.
-
-        Raises:
-            OutputError: If it holds anything else, or cannot be written.
-        """
+        """Make the folder, unless it exists; raise an OutputError if it holds anything else, or cannot be written."""
         self.check_usable()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -69,12 +59,7 @@ class Store:
             make_folder(self.folder / name, below=self.folder)
 
     def check_usable(self) -> None:
-        """Check that a cohort can have this folder: it does not exist, is empty, or is a cohort's.
-
-        Raises:
-            OutputError: If it is a file, or holds anything else.
-            MimocError: If its mark is damaged.
-        """
+        """Check that this folder does not exist, is empty, or is a cohort's; raise a MimocError if it is not."""
         if self.folder.exists() and not self.folder.is_dir():
             raise OutputError(f"{self.folder}: this is a file; name a new folder")
         try:
@@ -85,11 +70,7 @@ class Store:
             raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
 
     def check(self) -> None:
-        """Check that this is the folder of a cohort.
-
-        Raises:
-            MimocError: If it is not.
-        """
+        """Check that this is the folder of a cohort; raise a MimocError if it is not."""
         if not self._is_marked():
             raise MimocError(f"{self.folder}: not the folder of a cohort; name the one given to 'mimoc cohort run -o'")
 
@@ -118,11 +99,7 @@ class Store:
         return [job for job in jobs if self.read(job) is None]
 
     def write(self, job: Job, result: Result) -> None:
-        """Write the result of a job; a failure never replaces a success, which another process may have had.
-
-        Raises:
-            OutputError: If it cannot be written.
-        """
+        """Write the result of a job; a failure never replaces a success, which another process may have had."""
         if not result.ok and (known := self.read(job)) and known.ok:
             return
         place = self.result(job)
@@ -132,11 +109,7 @@ class Store:
         write_file(place, render_json(_plain({"job": job.key, **of_job, **of_result})), below=self.folder)
 
     def forget(self, job: Job) -> None:
-        """Remove the result of a job, so that it is done again.
-
-        Raises:
-            OutputError: If it cannot be removed, or a folder that it is in is a link.
-        """
+        """Remove the result of a job, so that it is done again; raise an OutputError if it cannot be removed."""
         for path in (self.result(job), self.log(job)):
             check_unlinked(path.parent, below=self.folder)
             try:
@@ -149,11 +122,7 @@ class Store:
         return self._place("logs", job, ".txt")
 
     def runs(self, job: Job, *, empty: bool = False) -> Path:
-        """Return the folder of what else a job writes, such as a training run; *empty* to begin with an empty one.
-
-        Raises:
-            OutputError: If it cannot be written, or is a link.
-        """
+        """Return the folder of what else a job writes, such as a training run; *empty* to begin with an empty one."""
         folder = check_unlinked(self._place("runs", job, ""), below=self.folder)
         if empty:
             remove(folder)
@@ -164,29 +133,19 @@ class Store:
         return self._place("bundles", job, "")
 
     def write_bundle(self, job: Job, bundle: Bundle) -> Path:
-        """Write a bundle, without its provenance, that shares pictures and meshes with all others.
-
-        Raises:
-            BundleError: If it cannot be written.
-            OutputError: If a folder that it is in is a link.
-        """
+        """Write a bundle, without its provenance, that shares pictures and meshes with all others."""
         folder, lean = check_unlinked(self.bundle_folder(job), below=self.folder), without(bundle, PROVENANCE)
         check_unlinked(self.folder / ASSETS, below=self.folder)
         return write_bundle(lean, folder, force=True, shared=SharedFiles(self.folder / ASSETS))
 
     def read_bundle(self, job: Job) -> Bundle:
-        """Return the bundle that a job has built.
-
-        Raises:
-            BundleError: If there is none.
-        """
+        """Return the bundle that a job has built; raise a BundleError if there is none."""
         try:
             return read_bundle(check_unlinked(self.bundle_folder(job), below=self.folder))
         except OutputError as error:
             raise BundleError(str(error)) from None
 
     def _place(self, kind: str, job: Job, suffix: str) -> Path:
-        """Return the path of a file of a job: a folder for each 256th, since file systems are slow with large ones."""
         return self.folder / kind / job.key[:2] / f"{job.key}{suffix}"
 
 
@@ -214,8 +173,7 @@ def size_bytes(folder: Path) -> int:
 
 
 STEPS = ("build", "check", "run", "train", "experiment", "python")
-MOST_BYTES_IN_ALL = 2**30
-"""Of all results; 1 GB. Those of a million jobs have less."""
+MOST_BYTES_IN_ALL = 2**30  # Of all results; 1 GB. Those of a million jobs have less.
 _FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
 """Names of folders of results, and of results; of those that are being written they begin with a dot."""
 
@@ -223,10 +181,7 @@ _FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
 def finished_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
     """Return the jobs that have a result, by step, factors and seed, and the names of results that cannot be read.
 
-    The jobs do not know the specs of their infants, so that they can be told of, but not be done again.
-
-    Raises:
-        MimocError: If the folder is not that of a cohort.
+    They do not know the specs of their infants, so that they cannot be done again. Another folder is a MimocError.
     """
     store.check()
     jobs, damaged = list[Job](), list[str]()
@@ -249,7 +204,6 @@ def _results(files: RegularFiles) -> Iterator[PurePosixPath]:
 
 
 def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
-    """Return what is in a folder; None if it is a link, or not a folder."""
     try:
         return files.names(folder.as_posix())
     except UnusableFileError:
@@ -257,7 +211,6 @@ def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
 
 
 def _job(files: RegularFiles, path: PurePosixPath) -> Job:
-    """Return the job in the file of a result; raise an UnusableFileError if it is in none."""
     file = parse_json(files.read(path.as_posix(), MOST_BYTES) or b"", ResultFile)
     if path != PurePosixPath(RESULTS, file.job[:2], f"{file.job}.json"):
         raise UnusableFileError("is the result of another job")
@@ -266,7 +219,6 @@ def _job(files: RegularFiles, path: PurePosixPath) -> Job:
 
 
 def _place(job: Job) -> tuple[Any, ...]:
-    """Return what jobs are sorted by."""
     step = STEPS.index(job.step) if job.step in STEPS else len(STEPS)
     factors = tuple((name, _order(value)) for name, value in sorted(job.factors.items()))
     return step, job.step, factors, _order(job.seed), job.key

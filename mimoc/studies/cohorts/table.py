@@ -15,10 +15,8 @@ from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import Result, Store
 
 CSV, PARQUET = "table.csv", "table.parquet"
-COLUMNS = ("job", "step", "seed", "status", "error", "log")
-"""Columns that every table has."""
-MISSING = "missing"
-"""Status of a job that is not done yet."""
+COLUMNS = ("job", "step", "seed", "status", "error", "log")  # Columns that every table has.
+MISSING = "missing"  # Status of a job that is not done yet.
 
 Cell = str | bool | int | float | None
 Rows = Sequence[Mapping[str, Cell]]
@@ -32,11 +30,7 @@ def rows_of(
 ) -> list[dict[str, Cell]]:
     """Return a row for each job: its factors, step and seed, what was measured, and the versions of the software.
 
-    Args:
-        jobs: The jobs, in the order of the rows.
-        store: The folder of the cohort.
-        measures: The measures to show; none is every one that any job has.
-        progress: Called with the number of results read and their total.
+    Without *measures*, every one is shown that any job has; progress is in results read.
     """
     results = list[Result]()
     for job in jobs:
@@ -73,11 +67,7 @@ def rows_of(
 
 
 def write_csv(rows: Rows, folder: Path) -> Path:
-    """Write the table as CSV: empty cells for what has no value, `true` and `false`, numbers rounded as in all files.
-
-    Raises:
-        OutputError: If it cannot be written.
-    """
+    """Write the table as CSV: empty cells for no value, `true` and `false`, numbers rounded as in all files."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(rows[0] if rows else ())
@@ -86,12 +76,7 @@ def write_csv(rows: Rows, folder: Path) -> Path:
 
 
 def write_parquet(rows: Rows, folder: Path) -> Path:
-    """Write the table as Parquet, with whole numbers, numbers, truth values and texts as what they are.
-
-    Raises:
-        MissingExtraError: If pyarrow is not installed.
-        OutputError: If it cannot be written.
-    """
+    """Write the table as Parquet, of numbers, truth values and texts; raise a MissingExtraError without pyarrow."""
     try:
         import pyarrow
         from pyarrow import parquet
@@ -119,7 +104,6 @@ def varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:
 
 
 def _cell(value: Any) -> Cell:
-    """Return a value as a cell: lists and sections as JSON."""
     return json.dumps(value, sort_keys=True) if isinstance(value, (list, tuple, Mapping)) else value
 
 
@@ -128,9 +112,8 @@ def _text(cell: Cell) -> str:
         return ""
     if isinstance(cell, bool):
         return str(cell).lower()
-    return (
-        f"{cell + 0.0:.{SIGNIFICANT_DIGITS}g}" if isinstance(cell, float) else str(cell)
-    )  # The sum turns -0.0 into 0.
+    # The sum turns -0.0 into 0.
+    return f"{cell + 0.0:.{SIGNIFICANT_DIGITS}g}" if isinstance(cell, float) else str(cell)
 
 
 def _array(cells: Sequence[Cell], pyarrow: Any) -> Any:

@@ -11,7 +11,7 @@ from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.render.plots.file import require_matplotlib
 from mimoc.schema.names import Development
 from mimoc.studies.bodies import bodies_digest
-from mimoc.studies.experiments.notebook import Notebook, Progress, open_notebook
+from mimoc.studies.experiments.notebook import Progress, open_notebook
 from mimoc.studies.names import EXPERIMENTS
 
 DEVELOPMENTS: Mapping[str, Development] = {
@@ -66,12 +66,7 @@ def run_experiment(
 
 
 def check_experiment(name: str, development: str | None) -> Development | None:
-    """Return the law of development of the infants of an experiment; None if it has laws of its own.
-
-    Raises:
-        UnknownNameError: If there is no such experiment or law.
-        MimocError: If a law is asked for of an experiment that has its own.
-    """
+    """Return the law of development of the infants of an experiment, None if it has its own; or raise a MimocError."""
     if name not in EXPERIMENTS:
         raise UnknownNameError("known experiment", name, EXPERIMENTS)
     if development is None:
@@ -80,6 +75,3 @@ def check_experiment(name: str, development: str | None) -> Development | None:
     if name not in DEVELOPMENTS:
         raise MimocError(f"the experiment '{name}' has laws of development of its own; leave out 'development'")
     return "published" if development == "published" else "maturing"
-
-
-__all__ = ["DEVELOPMENTS", "EXPERIMENTS", "Notebook", "check_experiment", "run_experiment"]

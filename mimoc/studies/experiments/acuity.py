@@ -18,20 +18,15 @@ from mimoc.components.senses.vision.build_comparison import DEFAULT_FOVEATION, c
 from mimoc.components.senses.vision.foveation import pixels_per_degree
 from mimoc.components.senses.vision.preview import preview
 from mimoc.components.senses.vision.run import filters, perceive
-from mimoc.render.picture_files import Picture, tile_pictures
+from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.figures import Measured
-from mimoc.studies.experiments.notebook import Notebook, markdown_table
+from mimoc.studies.experiments.notebook import Measured, Notebook, child, markdown_table
 
-WIDTH_PX, HEIGHT_PX = 8, 2048
-"""Size of an image of horizontal bars: fine enough for the acuity at two years."""
+WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enough for the acuity at two years.
 FOVY_DEG = VisionSpec().fovy_deg
-MEAN, AMPLITUDE = 127.5, 120.0
-"""Mean and amplitude of a grating's brightness, in a range of 0 to 255."""
+MEAN, AMPLITUDE = 127.5, 120.0  # Mean and amplitude of a grating's brightness, in a range of 0 to 255.
 SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
-"""Spatial frequencies of the gratings relative to the acuity."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,20 +69,13 @@ def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
 PROFILE = VisionSpec().acuity_profile
-SEED = 4
-"""Seed of the room."""
-SIDE = "left"
-"""Side of the eye."""
-DOWN_DEG = 35.0
-"""Downward gaze, towards the toys."""
-SIZE_PX, QUICK_SIZE_PX = 176, 64
-"""Size of each view."""
-MIDDLE_TIMES = 4
-"""Magnification of the middle of the view in the last row."""
-COLOURS = 256
-"""Number of colours of the figure, which makes its file a third as large."""
-FOVEATION = "strength of the foveation that is shown"
-"""Name of the paper's figure."""
+SEED = 4  # Seed of the room.
+SIDE = "left"  # Side of the eye.
+DOWN_DEG = 35.0  # Downward gaze, towards the toys.
+SIZE_PX, QUICK_SIZE_PX = 176, 64  # Size of each view.
+MIDDLE_TIMES = 4  # Magnification of the middle of the view in the last row.
+COLOURS = 256  # Number of colours of the figure, which makes its file a third as large.
+FOVEATION = "strength of the foveation that is shown"  # Name of the paper's figure.
 HALF = 0.5
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
@@ -114,7 +102,6 @@ def run(notebook: Notebook) -> Path:
 
 
 def _measured(measured: Sequence[Transfer]) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     half = min(measured, key=lambda item: abs(item.frequency_cpd / item.acuity_cpd - HALF))
     acuities = {
         f"acuity at {age:g} month{'s' * (age != 1)} [cycles/degree], `mimo_v2`": acuity_at(age, "mimo_v2")
@@ -125,14 +112,8 @@ def _measured(measured: Sequence[Transfer]) -> Measured:
 
 def infants(law: Development) -> Iterator[Bundle]:
     """Yield the infant that looks."""
-    spec = {
-        "mimoc": 1,
-        "name": "onlooker",
-        "age_months": 10,
-        "development": law,
-        "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
-    }
-    yield building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    scene = {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}}
+    yield building.builder(child("onlooker", 10, development=law, scene=scene))(SEED, check=False)
 
 
 def _sheet(development: Development, size_px: int) -> bytes:
@@ -145,16 +126,11 @@ def _sheet(development: Development, size_px: int) -> bytes:
     pictures = preview(infant, whole.entries, down_deg=DOWN_DEG)
     (acuity_row,) = (entries for name, entries in zip(finer.rows, finer.entries, strict=True) if name == "acuity")
     (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
-    middles = [_middle(picture, size_px) for picture in larger]
+    start = (len(larger[0]) - size_px) // 2
+    middles = [picture[start : start + size_px, start : start + size_px] for picture in larger]
     middle_deg = 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
     rows = (*whole.rows, f"acuity, middle {middle_deg:.0f} degrees")
     return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
-
-
-def _middle(picture: Picture, size_px: int) -> Picture:
-    """Return the middle of a square image, shape (size, size, 3)."""
-    start = (len(picture) - size_px) // 2
-    return picture[start : start + size_px, start : start + size_px]
 
 
 def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
@@ -164,13 +140,8 @@ def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
         label = f"{age_months:g} month{'s' * (age_months != 1)}"
         lines.append(Line((0, results[0].acuity_cpd), (1, 0), label))
         dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
-    return Plot(
-        x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
-        y=Quantity("contrast", "Remaining contrast"),
-        lines=tuple(lines),
-        dots=tuple(dots),
-        title="Contrast sensitivity",
-    )
+    x, y = Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"), Quantity("contrast", "Remaining contrast")
+    return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")
 
 
 def _numbers(measured: Sequence[Transfer], size_px: int) -> dict[str, object]:

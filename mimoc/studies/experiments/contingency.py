@@ -14,28 +14,23 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.intervals import band_of, interval
-from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
+from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
+from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 60.0, "interaction": 180.0, "still_face": 60.0, "reunion": 60.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 20.0, "interaction": 40.0, "still_face": 20.0, "reunion": 20.0}
-COMPARED_S = 60.0
-"""The end of a phase, by which it is judged."""
-BIN_S = 20.0
-"""Width of the bins of curves."""
+COMPARED_S = 60.0  # The end of a phase, by which it is judged.
+BIN_S = 20.0  # Width of the bins of curves.
 SEEDS, QUICK_SEEDS = range(6), range(2)
-AROUSAL = 0.9
-"""That of the infant under a mobile, of the experiment `mobile`."""
+AROUSAL = 0.9  # That of the infant under a mobile, of the experiment `mobile`.
 DELAY_MS, PAUSE_MS = 400.0, 1500.0
 """From a kick to the answer, and from then to the next: as long as a smile lasts; assumptions."""
-PARTNER = 1000
-"""Added to the seed of the infant that is answered as another one was."""
+PARTNER = 1000  # Added to the seed of the infant that is answered as another one was.
 ATTENTION = 0.001
 """Reward of a face that looks and does not smile, so that less than a smile is learnt from, too; a guess."""
 CONDITIONS = ("contingent", "yoked")
@@ -49,26 +44,31 @@ GAIN = Quantity("gain", "Learnt gain of the drive")
 class Session:
     """What an infant did by a caregiver."""
 
-    kicks_s: FloatArray
-    """When its legs kicked."""
-    answers_s: tuple[float, ...]
-    """When it was answered."""
-    gains: FloatArray
-    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
+    kicks_s: FloatArray  # When its legs kicked.
+    answers_s: tuple[float, ...]  # When it was answered.
+    gains: FloatArray  # Gain of each limb that it had learnt after each window, shape (windows, 6).
 
 
 def run(notebook: Notebook) -> Path:
-    """Let pairs of infants be with a caregiver, and return the path of the report.
-
-    An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
-    """
+    """Let pairs of infants be with a caregiver, and return the path of the report."""
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
     case = Phases(tuple(phases_s.values()), COMPARED_S)
-    results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
-    notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", _bins(results, seeds))
-    rows = ((seed, *item) for seed, result in zip(seeds, results, strict=True) for item in result.values.items())
-    notebook.write_table("contingency.csv", "seed,measure,value", rows)
+    by_case = run_cases(notebook, [(pair, case)], seeds)
+    results = by_case[case]
+    bins = (
+        (condition, seed, slot * BIN_S, rate)
+        for seed, result in zip(seeds, results, strict=True)
+        for condition in CONDITIONS
+        for slot, rate in enumerate(result.traces[f"{condition}_rate"])
+    )
+    notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", bins)
+    write_measures(notebook, "contingency.csv", by_case, seeds)
     notebook.write_plots("contingency.png", list(_plots(results, case)))
+    digits = {**dict.fromkeys(PHASES_S, 1), "leg_gain": 2, "arm_gain": 2, "answers": 2}
+    table = (
+        (name, *(interval(values_of(results, f"{name}_{column}")).text(count) for column, count in digits.items()))
+        for name in CONDITIONS
+    )
     page = notebook.write_page(
         None,
         "scipy",
@@ -79,14 +79,11 @@ def run(notebook: Notebook) -> Path:
         delay=DELAY_MS,
         pause=PAUSE_MS,
         attention=ATTENTION,
-        window=WINDOW_S,
-        largest=np.exp(LARGEST),
-        effort=EFFORT,
         arousal=AROUSAL,
-        forgetting=FORGETTING_S,
-        table=_table(results),
+        **PAGE_NUMBERS,
+        table=table_rows(table),
         answer=_answer(results),
-        predictions=_predictions(results),
+        predictions=table_rows(direction_rows(_differences(results))),
     )
     forget_trials(notebook)
     return page
@@ -99,24 +96,13 @@ def infants(law: None) -> Iterator[Bundle]:
 
 def bundle_of(case: Phases, yoked_s: Sequence[float]) -> Bundle:
     """Return an infant on its back with a caregiver, who answers kicks, or at some times whatever it does."""
-    starts_s = dict(zip(("interact", "still_face", "reunion"), case.ends_s, strict=False))
-    script = [
-        {"at_s": 0.0, "do": "still_face"},
-        {"at_s": starts_s["interact"], "do": "interact"},
-        {"at_s": starts_s["still_face"], "do": "still_face"},
-        {"at_s": starts_s["reunion"], "do": "interact"},
-    ]
-    answers = {"to": "kick", "by": ["smile", "speak"], "delay_ms": DELAY_MS, "pause_ms": PAUSE_MS}
+    phases = ("still_face", "interact", "still_face", "interact")
+    script = [{"at_s": at_s, "do": do} for at_s, do in zip((0.0, *case.ends_s), phases, strict=False)]
+    answers: dict[str, Any] = {"to": "kick", "by": ["smile", "speak"], "delay_ms": DELAY_MS, "pause_ms": PAUSE_MS}
     if yoked_s:
         answers["yoked_s"] = list(yoked_s)
-    spec: dict[str, Any] = {
-        "mimoc": 1,
-        "name": "contingency",
-        "age_months": AGE_MONTHS,
-        "actuation": {"model": "muscle"},
-        "scene": {"kind": "flat", "pose": "supine", "caregiver": {"script": script, "answers": answers}},
-    }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    scene = {"kind": "flat", "pose": "supine", "caregiver": {"script": script, "answers": answers}}
+    return pipeline.build(child("contingency", AGE_MONTHS, actuation={"model": "muscle"}, scene=scene))
 
 
 def pair(case: Phases, seed: int) -> Result:
@@ -133,13 +119,7 @@ def pair(case: Phases, seed: int) -> Result:
 
 
 def session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Session:
-    """Return what an infant does by a caregiver, who answers it, or at some times whatever it does.
-
-    Args:
-        case: The session.
-        seed: Of the infant and its movement.
-        yoked_s: When it is answered; none to answer its kicks.
-    """
+    """Return what an infant does by a caregiver, who answers its kicks, or at some times whatever it does."""
     with closing(InfantEnv(bundle_of(case, yoked_s))) as env:
         mover, learner, gains = Mover(env, seed), GainLearner(), list[FloatArray]()
         env.set_arousal(AROUSAL)
@@ -158,32 +138,16 @@ def session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Session:
 
 def _measures(case: Phases, infant: Session) -> dict[str, float]:
     """Return rates at the end of each phase, and the gain of the legs at the end of the interaction."""
-    last_s, values = case.compared_s, dict[str, float]()
-    values |= {phase: 60.0 * count / last_s for phase, count in zip(PHASES_S, case.counts(infant.kicks_s), strict=True)}
+    counts = zip(PHASES_S, case.counts(infant.kicks_s), strict=True)
+    values = {phase: 60.0 * count / case.compared_s for phase, count in counts}
     gains = infant.gains[round(case.ends_s[1] / WINDOW_S) - 1]
-    values["leg_gain"] = float(np.exp(np.log(gains[LEGS]).mean()))
     arms = [index for index in range(len(LIMBS)) if index not in LEGS]
-    values["arm_gain"] = float(np.exp(np.log(gains[arms]).mean()))
-    values["answers"] = float(len(infant.answers_s))
-    return values
-
-
-def _table(results: Sequence[Result]) -> str:
-    columns = (*PHASES_S, "leg_gain", "arm_gain", "answers")
-    return table_rows(
-        (
-            name,
-            *(
-                interval(values_of(results, f"{name}_{column}")).text(1 if column in PHASES_S else 2)
-                for column in columns
-            ),
-        )
-        for name in CONDITIONS
-    )
+    for name, limbs in (("leg_gain", LEGS), ("arm_gain", arms)):
+        values[name] = float(np.exp(np.log(gains[limbs]).mean()))
+    return {**values, "answers": float(len(infant.answers_s))}
 
 
 def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
-    """Return what was asked, as a difference in each pair."""
     asked = {
         "kicks rise from baseline to interaction": ("contingent_interaction", "contingent_baseline"),
         "more kicks than of the yoked partner": ("contingent_interaction", "yoked_interaction"),
@@ -196,7 +160,6 @@ def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
 
 
 def _answer(results: Sequence[Result]) -> str:
-    """Return in how many pairs the infant that is answered kicks more than before, and than its partner."""
     rises, beyond = list(_differences(results).values())[:2]
     risen, more = (sum(value > 0 for value in values) for values in (rises, beyond))
     gains = [np.mean(values_of(results, f"{name}_leg_gain")) for name in CONDITIONS]
@@ -209,17 +172,6 @@ def _answer(results: Sequence[Result]) -> str:
     )
 
 
-def _predictions(results: Sequence[Result]) -> str:
-    return table_rows(direction_rows(_differences(results)))
-
-
-def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
-    for seed, result in zip(seeds, results, strict=True):
-        for condition in CONDITIONS:
-            for slot, rate in enumerate(result.traces[f"{condition}_rate"]):
-                yield condition, seed, slot * BIN_S, rate
-
-
 def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     ends_min = [end_s / 60.0 for end_s in case.ends_s]
     for name, quantity, width_s in (("rate", RATE_PER_MIN, BIN_S), ("gain", GAIN, WINDOW_S)):
@@ -230,8 +182,6 @@ def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
             Band(ends_min[first : first + 2], [0.0] * 2, [top] * 2, label, "usual")
             for first, label in ((0, "interaction"), (2, "reunion"))
         ]
-        for condition, curve in curves.items():
-            means = [interval(column.tolist()) for column in curve.T]
-            bands.append(band_of(minutes, means, condition))
+        bands += [band_of_seeds(minutes, curve, condition) for condition, curve in curves.items()]
         lines = tuple(Line(minutes, curve.mean(axis=0), condition) for condition, curve in curves.items())
         yield Plot(MINUTES, quantity, lines, tuple(bands), y_range=(0.0, top))

@@ -18,34 +18,10 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.ataxia import (
-    DELAYS_MS,
-    MOTOR_MS,
-    VARIANTS,
-    ataxia_text,
-    infant as ataxic_infant,
-    reach_with_variants,
-    write_ataxia,
-)
-from mimoc.studies.experiments.figures import Measured
-from mimoc.studies.experiments.infant_reaches import (
-    DELAYS,
-    infant as infant_of_age,
-    infants_text,
-    reach_at_ages,
-    write_reaches,
-)
-from mimoc.studies.experiments.learner import (
-    FIRST_BALL,
-    LIBRARIES,
-    Learner,
-    by_group,
-    learning_plot,
-    mean_and_range,
-    movement_of,
-    trained,
-)
-from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
+from mimoc.studies.experiments import late_reaches, learner as learning
+from mimoc.studies.experiments.late_reaches import DELAYS, DELAYS_MS, MOTOR_MS, VARIANTS
+from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, Learner, by_group, mean_and_range, movement_of
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 
 FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}
@@ -56,34 +32,23 @@ SETUPS: Mapping[str, Mapping[str, Any]] = {
 }
 """Keys of a spec by the name of what is learned; the first is the paper's, of which there is a run for each seed."""
 TITLES = ("MIMo's ball", "a near ball", "a near ball, arms of a fifth of the strength")
-"""The names of these in the report, in the same order."""
-PAPER = "mimo"
-"""Key of the paper's setup."""
-QUICK_VARIANTS = 1
-"""Number of variants of reaches that the smaller version tries."""
+PAPER = "mimo"  # Key of the paper's setup.
+QUICK_VARIANTS = 1  # Number of variants of reaches that the smaller version tries.
 AGE_MONTHS = 18
 STEPS, QUICK_STEPS = 500_000, 40_960
 """Control steps of each training run: the paper's, and a number that takes minutes."""
 SEEDS, QUICK_SEEDS = (1, 2), (1,)
-EPISODES = 50
-"""Number of reaches of each trained infant; all of them reach for the same balls."""
-SHOWN = 4
-"""Number of balls whose hand paths are plotted, for the infants of the first seed."""
-MONTHS: Sequence[float] = (4, 6, 9)
-"""Ages of the infants whose reaches are compared with those of real ones."""
-REACHES, QUICK_REACHES = 20, 4
-"""Number of reaches of each, with each delay."""
-REACH_S = 3.0
-"""Simulated time after which a reach is given up."""
+EPISODES = 50  # Number of reaches of each trained infant; all of them reach for the same balls.
+SHOWN = 4  # Number of balls whose hand paths are plotted, for the infants of the first seed.
+MONTHS: Sequence[float] = (4, 6, 9)  # Ages of the infants whose reaches are compared with those of real ones.
+REACHES, QUICK_REACHES = 20, 4  # Number of reaches of each, with each delay.
+REACH_S = 3.0  # Simulated time after which a reach is given up.
 
-Groups = Mapping[str, Sequence[Learner]]
-"""Trained infants by their sensory delay, as it is shown, the shortest first."""
-
+Groups = Mapping[str, Sequence[Learner]]  # Trained infants by their sensory delay, as it is shown, the shortest first.
 
 UNITS, DETOUR = (methodcaller("mean", measure) for measure in ("units", "path_ratio"))
 """Means of a learner's reaches after training."""
-ARC_LENGTH, JERK = (methodcaller("median", measure) for measure in ("arc_length", "jerk"))
-"""Medians of the same."""
+ARC_LENGTH, JERK = (methodcaller("median", measure) for measure in ("arc_length", "jerk"))  # Medians of the same.
 LESS_SMOOTH: Sequence[tuple[str, str, Callable[[Learner], float]]] = (
     ("more_units", "movement units", UNITS),
     ("longer_path", "path length", DETOUR),
@@ -92,7 +57,6 @@ LESS_SMOOTH: Sequence[tuple[str, str, Callable[[Learner], float]]] = (
 )
 """What is greater where movements are less smooth: key of the page, name and measure."""
 MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, UNITS, DETOUR, ARC_LENGTH, JERK)
-"""The columns of the tables."""
 
 
 def run(notebook: Notebook) -> Path:
@@ -103,19 +67,22 @@ def run(notebook: Notebook) -> Path:
     before = len(MONTHS) * len(DELAYS) + len(variants) * len(DELAYS_MS)
     total = before + steps * len(runs)
     count, counted = QUICK_REACHES if notebook.quick else REACHES, notebook.counter(total)
-    late = reach_with_variants(variants, notebook.law, count, REACH_S, counted)
-    write_ataxia(notebook, late)
-    reaches = reach_at_ages(MONTHS, count, REACH_S, counted)
-    write_reaches(notebook, reaches)
+    late = late_reaches.reach_with_variants(variants, notebook.law, count, REACH_S, counted)
+    late_reaches.write_ataxia(notebook, late)
+    reaches = late_reaches.reach_at_ages(MONTHS, count, REACH_S, counted)
+    late_reaches.write_reaches(notebook, reaches)
     by_setup = _learners(notebook, steps, runs, before, total)
     within = {name: _within_reach(same) for name, same in by_setup.items()}
-    setups = {name: _by_delay(same) for name, same in within.items()}
+    setups = {
+        name: {f"{delay_ms} ms": group for delay_ms, group in by_group(same).items()} for name, same in within.items()
+    }
     learners, groups = within[PAPER], setups[PAPER]
     first = [item for item in learners if item.seed == learners[0].seed]
     _write_tables(notebook, by_setup, first)
-    learning = learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
-    notebook.write_plots("delays.png", [learning, _path_plot(notebook.law, first), _smoothness_plot(groups)])
+    curves = learning.learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
+    notebook.write_plots("delays.png", [curves, _path_plot(notebook.law, first), _smoothness_plot(groups)])
     *others, longest = groups
+    worse = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {name: one for name, _, one in LESS_SMOOTH}
     return notebook.write_page(
         _measured(groups),
         *LIBRARIES,
@@ -127,12 +94,15 @@ def run(notebook: Notebook) -> Path:
         episodes=EPISODES,
         beyond=EPISODES - len(learners[0].reaches),
         shown=SHOWN,
-        **_comparison(groups),
+        table=table_rows(
+            (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
+        ),
+        **{name: "yes" if _rising(groups, measure) else "not in every case" for name, measure in worse.items()},
         setups=_setups_rows(setups),
         setups_seed=seeds[0],
         longest_s=ms_to_s(max(DELAYS_MS)),
-        ataxia=ataxia_text(late, REACH_S),
-        infants=infants_text(reaches, REACH_S),
+        ataxia=late_reaches.ataxia_text(late, REACH_S),
+        infants=late_reaches.infants_text(reaches, REACH_S),
         training_seeds=", ".join(map(str, seeds)),
         first_ball=FIRST_BALL,
     )
@@ -142,8 +112,8 @@ def infants(law: Development) -> Iterator[Bundle | InfantSpec]:
     """Yield those that learn, and those whose reaches are late; delays are not of the body."""
     yield from (reaching(law, DELAYS_MS[0], setup) for setup in SETUPS)
     by_body = {(item.age_months, item.strength, item.other_law): item for item in VARIANTS}
-    yield from (ataxic_infant(variant, law, DELAYS_MS[0]) for variant in by_body.values())
-    yield from (infant_of_age(age_months, delay) for age_months in MONTHS for delay in list(DELAYS)[:1])
+    yield from (late_reaches.ataxic_infant(variant, law, DELAYS_MS[0]) for variant in by_body.values())
+    yield from (late_reaches.infant_of_age(age_months, delay) for age_months in MONTHS for delay in list(DELAYS)[:1])
 
 
 def _runs(seeds: Sequence[int]) -> Iterator[tuple[str, float, int]]:
@@ -156,12 +126,11 @@ def _runs(seeds: Sequence[int]) -> Iterator[tuple[str, float, int]]:
 def _learners(
     notebook: Notebook, steps: int, runs: Sequence[tuple[str, float, int]], before: int, total: int
 ) -> Mapping[str, Sequence[Learner]]:
-    """Return the trained infants by setup, after some steps of all."""
     learners: dict[str, list[Learner]] = {setup: [] for setup, _, _ in runs}
     for number, (setup, delay_ms, seed) in enumerate(runs):
         bundle = reaching(notebook.law, delay_ms, setup)
         progress = notebook.part(before + number * steps, steps, total)
-        training = trained(notebook, f"{setup}_{delay_ms:g}ms_seed_{seed}", bundle, steps, progress, seed=seed)
+        training = learning.trained(notebook, f"{setup}_{delay_ms:g}ms_seed_{seed}", bundle, steps, progress, seed=seed)
         task = bundle.manifest.task
         assert isinstance(task, ReachEntry)
         with closing(InfantEnv(bundle)) as env:
@@ -172,16 +141,13 @@ def _learners(
 
 def reaching(development: Development, delay_ms: float, setup: str = PAPER) -> Bundle:
     """Return the infant of a setup, with the given delay of all its senses."""
-    spec = {
-        "mimoc": 1,
-        "name": "reaching",
-        "age_months": AGE_MONTHS,
+    keys = {
         "development": development,
         "senses": {"proprioception": {"include": ["velocity"]}},
         "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
         **SETUPS[setup],
     }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    return pipeline.build(child("reaching", AGE_MONTHS, **keys))
 
 
 def _within_reach(learners: Sequence[Learner]) -> list[Learner]:
@@ -193,34 +159,13 @@ def _within_reach(learners: Sequence[Learner]) -> list[Learner]:
     ]
 
 
-def _by_delay(learners: Sequence[Learner]) -> Groups:
-    return {f"{delay_ms} ms": group for delay_ms, group in by_group(learners).items()}
-
-
-def _rows(groups: Groups) -> str:
-    return table_rows(
-        (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
-    )
-
-
 def _rising(groups: Groups, measure: Callable[[Learner], float]) -> bool:
-    """Return whether the mean of a measure is greater with each longer delay."""
     means = [fmean(map(measure, group)) for group in groups.values()]
     return all(before < after for before, after in pairwise(means))
 
 
-def _comparison(groups: Groups) -> dict[str, str]:
-    """Return the table of the page, and whether the results have the same order as the paper's."""
-    measures = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {what: one for what, _, one in LESS_SMOOTH}
-    verdicts = {what: "yes" if _rising(groups, measure) else "not in every case" for what, measure in measures.items()}
-    return {"table": _rows(groups), **verdicts}
-
-
 def _less_smooth(groups: Groups) -> str:
-    """Return whether movements are less smooth with each longer delay by every measure, or by which of them they are.
-
-    So it agrees with the page's list of these measures.
-    """
+    """Return whether movements are less smooth with each longer delay by every measure, or by which measures."""
     by = [name for _, name, measure in LESS_SMOOTH if _rising(groups, measure)]
     if len(by) == len(LESS_SMOOTH):
         return "yes"
@@ -235,7 +180,6 @@ def _longer(groups: Groups, measure: Callable[[Learner], float]) -> str:
 
 
 def _measured(groups: Groups) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     success = min(learner.success_rate() for group in groups.values() for learner in group)
     return {
         "infants learn more slowly with each longer delay": _longer(groups, Learner.last_time_s),
@@ -245,23 +189,16 @@ def _measured(groups: Groups) -> Measured:
 
 
 def _setups_rows(setups: Mapping[str, Groups]) -> str:
-    """Return the rows of the table of all setups, by extreme delays."""
-    titles = dict(zip(SETUPS, TITLES, strict=True))
-    return table_rows(
-        (titles[setup], delay, *_setup_cells(groups[delay][0]))
-        for setup, groups in setups.items()
-        for delay in (min(groups, key=_ms), max(groups, key=_ms))
-    )
-
-
-def _ms(delay: str) -> float:
-    return float(delay.removesuffix(" ms"))
-
-
-def _setup_cells(learner: Learner) -> Iterator[str]:
-    """Yield the first measures, and how many reaches end before one with the longest delay senses anything of them."""
-    yield from (f"{measure(learner):.3f}" for measure in MEASURES[:5])
-    yield f"{fmean(reach.duration_s <= ms_to_s(max(DELAYS_MS)) for reach in learner.reaches):.0%}"
+    """Return the first measures by extreme delays, and how many reaches end before the longest one has passed."""
+    titles, rows = dict(zip(SETUPS, TITLES, strict=True)), []
+    for setup, groups in setups.items():
+        shortest, *_, longest = groups
+        for delay in (shortest, longest):
+            learner = groups[delay][0]
+            early = fmean(reach.duration_s <= ms_to_s(max(DELAYS_MS)) for reach in learner.reaches)
+            measures = (f"{measure(learner):.3f}" for measure in MEASURES[:5])
+            rows.append((titles[setup], delay, *measures, f"{early:.0%}"))
+    return table_rows(rows)
 
 
 def _write_tables(notebook: Notebook, by_setup: Mapping[str, Sequence[Learner]], first: Sequence[Learner]) -> None:
@@ -276,16 +213,13 @@ def _write_tables(notebook: Notebook, by_setup: Mapping[str, Sequence[Learner]],
         "setup,delay_ms,seed,ball,success,time_s,movement_units,log_dimensionless_jerk,spectral_arc_length,detour",
         ((setup, item.group, item.seed, *_reach_cells(reach)) for setup, item in every for reach in item.reaches),
     )
-    notebook.write_table(
-        "paths.csv",
-        "delay_ms,seed,ball,time_s,x_m,y_m,z_m",
-        (
-            (item.group, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place)
-            for item in first
-            for reach in item.reaches[:SHOWN]
-            for index, place in enumerate(movement_of(reach).path_m.tolist())
-        ),
+    rows = (
+        (item.group, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place)
+        for item in first
+        for reach in item.reaches[:SHOWN]
+        for index, place in enumerate(movement_of(reach).path_m.tolist())
     )
+    notebook.write_table("paths.csv", "delay_ms,seed,ball,time_s,x_m,y_m,z_m", rows)
 
 
 def _reach_cells(reach: Episode) -> tuple[Cell, ...]:

@@ -14,15 +14,15 @@ from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.effort import GROUPS, Strength, strengths
-from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
+from mimoc.studies.experiments.notebook import Notebook, markdown_table, table_rows
 from mimoc.studies.experiments.resting import FALLING_S, LEANS, LYING_S, Rest, rest, try_to_sit
+from mimoc.studies.experiments.strength import GROUPS, Strength, strengths
 from mimoc.studies.growth.plot import AgeRow, rows_sheet
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches
 
 LAWS: tuple[Development, ...] = ("maturing", "published")
-VARIATIONS: Mapping[str, Conditions] = {
+VARIATIONS: Mapping[str, Conditions] = {  # What the ages of milestones may hang on; pushes in body weights.
     "servo x 0.8": Conditions(servo=0.8),
     "servo x 1.25": Conditions(servo=1.25),
     "strength - 15 %": Conditions(strength=0.85),
@@ -30,7 +30,6 @@ VARIATIONS: Mapping[str, Conditions] = {
     "pushes of 0.01": Conditions(push=0.01),
     "pushes of 0.05": Conditions(push=0.05),
 }
-"""What the ages of milestones may hang on; pushes in body weights."""
 
 AGES: Sequence[float] = (*(half / 2 for half in range(29)), 18, 24)
 """Ages at which milestones are tried: every half month to 14 months, when all of them are reached."""
@@ -41,24 +40,17 @@ NAMES, QUICK_NAMES = tuple(TRIALS), ("prone_head", "no_head_lag")
 VARIED_NAMES = tuple(trial.name for trial in MILESTONES)
 MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
 QUICK_MONTHS: Sequence[float] = (0, 6, 18)
-COMPARED_MONTHS = 18
-"""Age of the reference body, whose strength is 1; one of `MONTHS` and of `QUICK_MONTHS`."""
+COMPARED_MONTHS = 18  # Age of the reference body, whose strength is 1; one of `MONTHS` and of `QUICK_MONTHS`.
 SITTING_MONTHS, QUICK_SITTING_MONTHS = (0, 3, 6, 9, 12, 18, 24), (0, 18)
 OLDEST_SHOWN_MONTHS = 18.0
-COLOURS = 128
-"""Number of colours of the pictures of infants."""
+COLOURS = 128  # Number of colours of the pictures of infants.
 
-Motors = Mapping[tuple[str, str, int], Sequence[Strength]]
-"""Strength by age, by law, actuator and direction."""
-Reached = Mapping[str, Mapping[str, float | None]]
-"""Youngest age, if it is reached, by trial and law or condition."""
+Motors = Mapping[tuple[str, str, int], Sequence[Strength]]  # Strength by age, by law, actuator and direction.
+Reached = Mapping[str, Mapping[str, float | None]]  # Youngest age, if it is reached, by trial and law or condition.
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of many ages try what real infants learn to do, and return the path of the report.
-
-    An interrupted run goes on with the searches that it had not finished, if its folder is the same.
-    """
+    """Let infants of many ages try what real infants learn to do, and return the path of the report."""
     quick = notebook.quick
     months, sitting = (QUICK_MONTHS, QUICK_SITTING_MONTHS) if quick else (MONTHS, SITTING_MONTHS)
     names = QUICK_NAMES if quick else NAMES
@@ -73,7 +65,9 @@ def run(notebook: Notebook) -> Path:
     strong = [item for law in LAWS for age in months for item in count(list(strengths(law, age)))]
     motors = _write_strengths(notebook, strong)
     rests = [count(rest(law, age)) for law in LAWS for age in months]
-    _write_rests(notebook, rests)
+    slumps = ",".join(f"slump_from_{lean:g}_deg" for lean in LEANS)
+    heading = f"development,age_months,hip_deg,knee_deg,elbow_deg,head_upright_deg,head_leaning_back_deg,{slumps}"
+    notebook.write_table("rest.csv", heading, map(_rest_cells, rests))
     sitters = tile_pictures([[count(try_to_sit(law, age)) for age in sitting] for law in LAWS], rows=LAWS)
     notebook.write_picture("sitting.png", encode_palette_png(sitters, COLOURS))
 
@@ -84,7 +78,9 @@ def run(notebook: Notebook) -> Path:
     reached = {name: {law: results[cases[law, name]].youngest_months for law in LAWS} for name in names}
     _write_milestones(notebook, results, reached)
     sensitivity = _vary({name: cases["maturing", name] for name in varied}, reached, searched)
-    _write_sensitivity(notebook, sensitivity)
+    rows = ((name, *item) for name, by_condition in sensitivity.items() for item in by_condition.items())
+    notebook.write_table("sensitivity.csv", "milestone,condition,age_months", rows)
+    notebook.write_picture("sensitivity.png", _rows_png([AgeRow(name, ages) for name, ages in sensitivity.items()]))
     page = notebook.write_page(
         None,
         milestones=_milestones(reached),
@@ -122,19 +118,18 @@ def _vary(
 
 
 def _write_strengths(notebook: Notebook, measured: Sequence[Strength]) -> Motors:
-    """Write table and figure, and return the measurements by motor."""
     heading = "development,age_months,actuator,direction,torque_nm,moment_nm,ratio"
-    notebook.write_table("strength.csv", heading, map(_strength_cells, measured))
+    directions = {1: "positive", -1: "negative"}
+    cells = (
+        (it.development, it.age_months, it.actuator, directions[it.direction], it.torque_nm, it.moment_nm, it.ratio)
+        for it in measured
+    )
+    notebook.write_table("strength.csv", heading, cells)
     motors: dict[tuple[str, str, int], list[Strength]] = {}
     for item in measured:
         motors.setdefault((item.development, item.actuator, item.direction), []).append(item)
     notebook.write_plots("strength.png", [_strength_plot(motors, law) for law in LAWS])
     return motors
-
-
-def _strength_cells(item: Strength) -> tuple[Cell, ...]:
-    direction = "positive" if item.direction > 0 else "negative"
-    return item.development, item.age_months, item.actuator, direction, item.torque_nm, item.moment_nm, item.ratio
 
 
 def _strength_plot(motors: Motors, law: str) -> Plot:
@@ -168,19 +163,12 @@ def _strengths(motors: Motors) -> str:
     return markdown_table(("law", "group", "motor", *ages), rows)
 
 
-def _write_rests(notebook: Notebook, rests: Sequence[Rest]) -> None:
-    slumps = ",".join(f"slump_from_{lean:g}_deg" for lean in LEANS)
-    heading = f"development,age_months,hip_deg,knee_deg,elbow_deg,head_upright_deg,head_leaning_back_deg,{slumps}"
-    notebook.write_table("rest.csv", heading, map(_rest_cells, rests))
-
-
 def _rest_cells(rested: Rest) -> tuple[Any, ...]:
     *numbers, slumps_deg = astuple(rested)
     return *numbers, *slumps_deg
 
 
 def _rests(rests: Sequence[Rest]) -> dict[str, object]:
-    """Return what the page tells of the postures at rest."""
     headings = ("law", "months", "hip", "knee", "elbow", "head, upright", "head, leaning back")
     rows = (
         (law, f"{age_months:g}", *(f"{angle:.0f}" for angle in angles))
@@ -206,18 +194,15 @@ def _forward(rests: Sequence[Rest]) -> str:
 
 def _write_milestones(notebook: Notebook, results: Mapping[Case, SearchResult], reached: Reached) -> None:
     heading = "development,milestone,age_months,success,ended_s,reason,posture"
-    notebook.write_table("attempts.csv", heading, _attempts(results))
+    attempts = (
+        (case.development, case.trial, age, "yes" if it.success else "no", it.seconds, it.reason, it.strategy)
+        for case, result in results.items()
+        for age, it in result.outcomes.items()
+    )
+    notebook.write_table("attempts.csv", heading, attempts)
     windows = {name: (window.youngest_months, window.oldest_months) for name, window in WINDOWS.items()}
     rows = [AgeRow(name, by_law, windows.get(name, ())) for name, by_law in reached.items()]
     notebook.write_picture("milestones.png", _rows_png(rows))
-
-
-def _attempts(results: Mapping[Case, SearchResult]) -> Iterator[tuple[Cell, ...]]:
-    for case, result in results.items():
-        for age_months, outcome in result.outcomes.items():
-            success = "yes" if outcome.success else "no"
-            cells = (success, outcome.seconds, outcome.reason, outcome.strategy)
-            yield case.development, case.trial, age_months, *cells
 
 
 def _rows_png(rows: Sequence[AgeRow]) -> bytes:
@@ -235,12 +220,6 @@ def _milestones(reached: Reached) -> str:
 
 def _months(age_months: float | None) -> str:
     return "not reached" if age_months is None else f"{age_months:g}"
-
-
-def _write_sensitivity(notebook: Notebook, sensitivity: Reached) -> None:
-    rows = ((name, *item) for name, by_condition in sensitivity.items() for item in by_condition.items())
-    notebook.write_table("sensitivity.csv", "milestone,condition,age_months", rows)
-    notebook.write_picture("sensitivity.png", _rows_png([AgeRow(name, ages) for name, ages in sensitivity.items()]))
 
 
 def _sensitivity(reached: Reached, sensitivity: Reached) -> str:

@@ -17,23 +17,18 @@ from mimoc.compiler import building
 from mimoc.components.senses.vision.colours import BLUE, GREEN, RED
 from mimoc.components.senses.vision.run import Vision
 from mimoc.runtime.env import InfantEnv
-from mimoc.schema.infant import InfantSpec
-
-FloatArray = npt.NDArray[np.float64]
+from mimoc.runtime.sense import FloatArray
+from mimoc.studies.experiments.notebook import child
 
 PATCH_M, ASIDE_M = 0.125, 0.12
 """Side of a square grating, as on the Teller Acuity Cards, and where its middle is, left or right of the card's."""
 BOARD_M = (1.2, 1.2)
 """Width and height of the card: all that is seen, so that contrast to it is contrast to the mean of a picture."""
-THICK_M, AHEAD_M = 0.001, 0.0005
-"""Half the thickness of card and grating, and how far the grating stands out."""
+THICK_M, AHEAD_M = 0.001, 0.0005  # Half the thickness of card and grating, and how far the grating stands out.
 TEXTURE_PX = 2048
-GREY, AMPLITUDE = 128, 127
-"""Mean and amplitude of the texture, of 255 levels."""
-EMISSION = 0.35
-"""Light of the card's own, with which its mean is about half of the brightest that a picture can hold."""
-MARGIN = 0.8
-"""Part of a patch, from its middle, that is looked at: what is around it is no part of the grating."""
+GREY, AMPLITUDE = 128, 127  # Mean and amplitude of the texture, of 255 levels.
+EMISSION = 0.35  # Light of the card's own, with which its mean is about half of the brightest that a picture can hold.
+MARGIN = 0.8  # Part of a patch, from its middle, that is looked at: what is around it is no part of the grating.
 WEIGHTS = np.array([RED, GREEN, BLUE])
 
 
@@ -45,33 +40,25 @@ class Eyes:
     distance_m: float
     size_px: int
     fovy_deg: float
-    keys: tuple[tuple[str, Any], ...] = ()
-    """Further keys of its sense of vision, with their values."""
+    keys: tuple[tuple[str, Any], ...] = ()  # Further keys of its sense of vision, with their values.
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
     """Contrast at the frequency of the grating on both sides of a card, left and right: amplitude over mean."""
 
-    drawn: FloatArray
-    """As MuJoCo draws it, without an infant's eye in between: what a photometer says."""
-    observed: FloatArray
-    """As the infant observes it."""
+    drawn: FloatArray  # As MuJoCo draws it, without an infant's eye in between: what a photometer says.
+    observed: FloatArray  # As the infant observes it.
 
 
 @cache
 def looking_infant(eyes: Eyes) -> Bundle:
     """Return an average child that sits, held by hip, chest and head, and looks straight ahead."""
     size = {"width_px": eyes.size_px, "height_px": eyes.size_px, "fovy_deg": eyes.fovy_deg}
-    spec = {
-        "mimoc": 1,
-        "name": "looking",
-        "age_months": eyes.age_months,
-        "senses": {"vision": {**size, **dict(eyes.keys)}},
-        "actuation": {"locked": ["eyes", "neck"]},
-        "scene": {"kind": "empty", "pose": "sitting", "held": ["hip", "chest", "head"]},
-    }
-    return building.builder(InfantSpec.model_validate(spec))(0, check=False)
+    senses, actuation = {"vision": {**size, **dict(eyes.keys)}}, {"locked": ["eyes", "neck"]}
+    scene = {"kind": "empty", "pose": "sitting", "held": ["hip", "chest", "head"]}
+    spec = child("looking", eyes.age_months, senses=senses, actuation=actuation, scene=scene)
+    return building.builder(spec)(0, check=False)
 
 
 class CardTrial:
@@ -81,7 +68,6 @@ class CardTrial:
     """
 
     def __init__(self, eyes: Eyes, frequency_cpd: float):
-        """Hold a card before an infant; its contrast can be changed."""
         bundle, patch_deg = looking_infant(eyes), math.degrees(PATCH_M / eyes.distance_m)
         cycles = max(1, round(frequency_cpd * patch_deg))
         self.frequency_cpd = cycles / patch_deg
@@ -91,11 +77,9 @@ class CardTrial:
         self._windows = [self._window(eye.camera) for eye in bundle.manifest.anatomy.eyes]
 
     def __enter__(self) -> Self:
-        """Open it."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Close the environment."""
         self._env.close()
 
     def look(self, contrast: float = 1.0) -> Seen:
@@ -112,7 +96,6 @@ class CardTrial:
         return Seen(self._contrasts(drawn), self._contrasts(observed))
 
     def _contrasts(self, pictures: Any) -> FloatArray:
-        """Return the contrasts of both sides, each the mean of both eyes."""
         of_eyes = list[list[float]]()
         for picture, windows in zip(pictures, self._windows, strict=True):
             height = len(picture)

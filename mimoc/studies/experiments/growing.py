@@ -15,45 +15,28 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
-from mimoc.schema.infant import InfantSpec
-from mimoc.studies.experiments.learner import (
-    FIRST_BALL,
-    LIBRARIES,
-    THOUSANDS,
-    Learner,
-    banded_plot,
-    by_group,
-    learning_plot,
-    mean_and_range,
-    trained,
-)
-from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
+from mimoc.studies.experiments import learner as learning
+from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, THOUSANDS, Learner, by_group, mean_and_range
+from mimoc.studies.experiments.notebook import Cell, Notebook, child, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 from mimoc.training.run_folder import CHECKPOINTS
 
-AGES_MONTHS = (6.0, 12.0)
-"""The youngest and the oldest age of the infants that learn; all are tested at the oldest."""
-EPISODE_STEPS = 1000
-"""Control steps after which a reach is given up (MIMo)."""
+AGES_MONTHS = (6.0, 12.0)  # The youngest and the oldest age of the infants that learn; all are tested at the oldest.
+EPISODE_STEPS = 1000  # Control steps after which a reach is given up (MIMo).
 STEPS, QUICK_STEPS = 245_760, 12_288
 """Control steps of each training run; docs/learning has reaching learnt in 200,000."""
 CHECKPOINT_EVERY, QUICK_CHECKPOINT_EVERY = 20_480, 6_144
 """Control steps between checkpoints, whose policies are tested too."""
 SEEDS, QUICK_SEEDS = (1, 2, 3), (1, 2)
-BALLS, QUICK_BALLS = 100, 5
-"""Number of balls for which each infant reaches after training; they are the same for all."""
-CHECK_BALLS, QUICK_CHECK_BALLS = 20, 2
-"""Number of these balls for which it reaches at each earlier checkpoint."""
+BALLS, QUICK_BALLS = 100, 5  # Number of balls for which each infant reaches after training; they are the same for all.
+CHECK_BALLS, QUICK_CHECK_BALLS = 20, 2  # Number of these balls for which it reaches at each earlier checkpoint.
 
-Groups = Mapping[str, Sequence[Learner]]
-"""Trained infants by schedule of growth."""
-MEASURES = {
+Groups = Mapping[str, Sequence[Learner]]  # Trained infants by schedule of growth.
+MEASURES = {  # What is compared; less is better.
     "time to touch after training": Learner.time_s,
     "time to touch over all checkpoints": Learner.time_over_checkpoints_s,
 }
-"""What is compared; less is better."""
-COLUMNS = (Learner.success_rate, Learner.episode_return, *MEASURES.values())
-"""Columns of the table."""
+COLUMNS = (Learner.success_rate, Learner.episode_return, *MEASURES.values())  # Columns of the table.
 BETTER, WORSE, SAME = "better", "worse", "not distinguishable"
 
 
@@ -66,7 +49,32 @@ def run(notebook: Notebook) -> Path:
     groups = by_group(learners)
     with closing(InfantEnv(bundle)) as env:
         untrained = evaluate(env, "random", balls, seed=FIRST_BALL)
-    _write_tables(notebook, learners, steps)
+    rows = (
+        (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
+        for item in learners
+        for done, cells in item.learning()
+    )
+    heading = "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return"
+    notebook.write_table("learning.csv", heading, rows)
+    rows = (
+        (item.group, item.seed, done, *_outcome(reach))
+        for item in learners
+        for done, reaches in item.checks.items()
+        for reach in reaches
+    )
+    notebook.write_table("checks.csv", "schedule,seed,steps,ball,success,time_s,episode_return", rows)
+    notebook.write_table(
+        "reaches.csv",
+        "schedule,seed,ball,success,time_s,episode_return",
+        ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
+    )
+    finals = (Learner.success_rate, *MEASURES.values())
+    rows = (
+        (it.group, it.seed, len(it.reaches), *(measure(it) for measure in finals), it.episode_return())
+        for it in learners
+    )
+    heading = "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return"
+    notebook.write_table("final.csv", heading, rows)
     notebook.write_plots("growing.png", list(_plots(groups, untrained, steps)))
     return notebook.write_page(
         None,
@@ -88,15 +96,9 @@ def infants(law: None) -> Iterator[Bundle]:
 
 def reaching(age_months: float) -> Bundle:
     """Return the average child of an age, of the law `maturing`, with the task `reach`."""
-    spec = {
-        "mimoc": 1,
-        "name": "growing",
-        "age_months": age_months,
-        "development": "maturing",
-        "senses": {"proprioception": {"include": ["velocity", "limits", "actuation"]}, "vestibular": {}},
-        "task": {"kind": "reach", "steps": EPISODE_STEPS},
-    }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    senses = {"proprioception": {"include": ["velocity", "limits", "actuation"]}, "vestibular": {}}
+    task = {"kind": "reach", "steps": EPISODE_STEPS}
+    return pipeline.build(child("growing", age_months, development="maturing", senses=senses, task=task))
 
 
 def schedule_of(course: str, seed: int, steps: int) -> GrowthSchedule:
@@ -114,7 +116,7 @@ def _learners(notebook: Notebook, bundle: Bundle, steps: int, seeds: Sequence[in
     for number, (course, seed) in enumerate(wanted):
         progress = notebook.part(number * steps, steps, len(wanted) * steps)
         name = f"{course}_seed_{seed}{'_quick' * notebook.quick}"
-        training = trained(notebook, name, bundle, steps, progress, seed=seed, schedule=course, **settings)
+        training = learning.trained(notebook, name, bundle, steps, progress, seed=seed, schedule=course, **settings)
         yield Learner(course, seed, training, *_tested(notebook, bundle, notebook.folder / name))
 
 
@@ -129,13 +131,7 @@ def _tested(notebook: Notebook, bundle: Bundle, folder: Path) -> tuple[list[Epis
 
 
 def comparison(groups: Groups, untrained: Sequence[Episode], ages_months: tuple[float, float]) -> dict[str, object]:
-    """Return what the page tells of the results, and of what they can show.
-
-    Args:
-        groups: The infants by schedule; `grown` and `adult` are among them.
-        untrained: Reaches of a random policy for the same balls.
-        ages_months: The youngest and the oldest age.
-    """
+    """Return what the page tells of results by schedule, `grown` and `adult` among them, and of what they can show."""
     youngest, oldest = ages_months
     stages = round((oldest - youngest) / STAGE_MONTHS) + 1
     schedules = "\n".join(f"- `{name}`: {meaning};" for name, meaning in COURSES.items()).removesuffix(";") + "."
@@ -170,7 +166,6 @@ def _table(groups: Groups, untrained: Sequence[Episode]) -> str:
 
 
 def _compared(groups: Groups, other: str, measure: str) -> str:
-    """Return how `grown` compares with another schedule."""
     grown, others = _values(groups, "grown", measure), _values(groups, other, measure)
     if max(grown) < min(others):
         return BETTER
@@ -178,7 +173,6 @@ def _compared(groups: Groups, other: str, measure: str) -> str:
 
 
 def _change(groups: Groups, other: str, measure: str) -> float:
-    """Return by which share of the other's mean the mean of `grown` is greater."""
     return fmean(_values(groups, "grown", measure)) / fmean(_values(groups, other, measure)) - 1
 
 
@@ -187,7 +181,6 @@ def _values(groups: Groups, schedule: str, measure: str) -> list[float]:
 
 
 def _answer(comparisons: Mapping[str, str]) -> str:
-    """Return the answer to the question of the title, from the comparison with `adult`."""
     helped, harmed = ([name for name, outcome in comparisons.items() if outcome == which] for which in (BETTER, WORSE))
     if helped and harmed:
         return f"**Growing helped with {' and '.join(helped)}, and harmed {' and '.join(harmed)}.**"
@@ -199,7 +192,6 @@ def _answer(comparisons: Mapping[str, str]) -> str:
 
 
 def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
-    """Return whether the order of the ages mattered, from the comparisons with the same ages in other orders."""
     ahead = [name for name, outcomes in comparisons.items() if set(outcomes.values()) == {BETTER}]
     if len(ahead) == len(comparisons):
         return "The natural order of ages was better than every other by both measures."
@@ -208,45 +200,8 @@ def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
     return "That the natural order of ages is better than another is not shown by both measures."
 
 
-def _write_tables(notebook: Notebook, learners: Sequence[Learner], steps: int) -> None:
-    notebook.write_table(
-        "learning.csv",
-        "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return",
-        (
-            (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
-            for item in learners
-            for done, cells in item.learning()
-        ),
-    )
-    notebook.write_table(
-        "checks.csv",
-        "schedule,seed,steps,ball,success,time_s,episode_return",
-        (
-            (item.group, item.seed, done, *_outcome(reach))
-            for item in learners
-            for done, reaches in item.checks.items()
-            for reach in reaches
-        ),
-    )
-    notebook.write_table(
-        "reaches.csv",
-        "schedule,seed,ball,success,time_s,episode_return",
-        ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
-    )
-    notebook.write_table(
-        "final.csv",
-        "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return",
-        map(_final_cells, learners),
-    )
-
-
 def _outcome(reach: Episode) -> tuple[Cell, ...]:
     return reach.seed, float(reach.success), reach.duration_s, reach.total_reward
-
-
-def _final_cells(item: Learner) -> tuple[Cell, ...]:
-    times_s = (item.time_s(), item.time_over_checkpoints_s())
-    return (item.group, item.seed, len(item.reaches), item.success_rate(), *times_s, item.episode_return())
 
 
 TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
@@ -254,25 +209,23 @@ TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 
 def _plots(groups: Groups, untrained: Sequence[Episode], steps: int) -> Iterator[Plot]:
     tested = f"at {AGES_MONTHS[1]:g} months"
-    yield _age_plot([group[0] for group in groups.values()], steps)
-    yield learning_plot(groups, TIME_TO_TOUCH, "Learning, at the age of the moment")
+    done, firsts = np.arange(0, steps, max(1, steps // 500)), [group[0] for group in groups.values()]
+    ages = tuple(
+        Line(done / 1000, [schedule_of(item.group, item.seed, steps)(int(step)) for step in done], item.group)
+        for item in firsts
+    )
+    yield Plot(THOUSANDS, AGE, ages, title=f"Schedules (seed {firsts[0].seed})")
+    yield learning.learning_plot(groups, TIME_TO_TOUCH, "Learning, at the age of the moment")
     checks = {
         schedule: (list(group[0].checks), [list(item.check_times_s().values()) for item in group])
         for schedule, group in groups.items()
     }
-    yield banded_plot(checks, TIME_TO_TOUCH, f"Tested {tested}", fmean(reach.duration_s for reach in untrained))
+    yield learning.banded_plot(
+        checks, TIME_TO_TOUCH, f"Tested {tested}", fmean(reach.duration_s for reach in untrained)
+    )
     dots = tuple(
         Dots([item.time_s() for item in group], [100 * item.success_rate() for item in group], schedule)
         for schedule, group in groups.items()
     )
     touched = Quantity("touched", "Balls touched", "%")
     yield Plot(TIME_TO_TOUCH, touched, dots=dots, title=f"After training, {tested}")
-
-
-def _age_plot(learners: Sequence[Learner], steps: int) -> Plot:
-    done = np.arange(0, steps, max(1, steps // 500))
-    lines = tuple(
-        Line(done / 1000, [schedule_of(item.group, item.seed, steps)(int(step)) for step in done], item.group)
-        for item in learners
-    )
-    return Plot(THOUSANDS, AGE, lines, title=f"Schedules (seed {learners[0].seed})")

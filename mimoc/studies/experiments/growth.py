@@ -7,10 +7,9 @@ from mimoc.fits.who import Reference
 from mimoc.render.plots.file import encode
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.figures import figures_of
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.notebook import Notebook, figures_of, table_rows
 from mimoc.studies.growth.plot import growth_sheet
-from mimoc.studies.growth.who import GrowthReport, Row, grow_against_who
+from mimoc.studies.growth.who import GrowthReport, grow_against_who
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 1, 2, 4, 6, 9, 12, 18, 24)
@@ -29,7 +28,12 @@ def run(notebook: Notebook) -> Path:
     months = QUICK_MONTHS if notebook.quick else MONTHS
     report = grow_against_who(next(infants(notebook.law)), months, notebook.progress)
     heading = "age_months,indicator,value,z_boys,z_girls,z_mean,percentile"
-    notebook.write_table("growth.csv", heading, map(_cells, report.rows))
+    references = ("male", "female", "mean")
+    cells = (
+        (row.age_months, row.indicator, row.value, *(row.z[name] for name in references), row.percentile["mean"])
+        for row in report.rows
+    )
+    notebook.write_table("growth.csv", heading, cells)
     notebook.write_picture("growth.png", encode(growth_sheet(report.series)))
     farthest = max(report.worst.values(), key=lambda row: abs(row.z["mean"]))
     return notebook.write_page(
@@ -51,13 +55,7 @@ def infants(law: Development) -> Iterator[InfantSpec]:
         yield InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=law)
 
 
-def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
-    z = row.z
-    return row.age_months, row.indicator, row.value, z["male"], z["female"], z["mean"], row.percentile["mean"]
-
-
 def _measured(report: GrowthReport) -> Iterator[tuple[str, float | str]]:
-    """Yield what was measured of the paper's figures, by their names."""
     for row in report.rows:
         what = f"{NAMES[row.indicator]} at {row.age_months:g} month{'s' * (row.age_months != 1)}"
         yield f"{what} [{row.indicator.rpartition('_')[2]}]", row.value
@@ -69,15 +67,11 @@ def _measured(report: GrowthReport) -> Iterator[tuple[str, float | str]]:
         yield f"{NAMES[indicator]}: within one SD of WHO's mean of boys and girls at all ages", where
 
 
-def _published_worst(indicator: str) -> str:
-    """Return the largest z of MIMo v2's body among boys or girls, if it is known."""
-    z = [item.paper for item in figures_of("growth") if item.quantity.startswith(f"{NAMES[indicator]} at ")]
-    return max((item for item in z if item[0] in "+-"), key=lambda item: abs(float(item)), default="not known")
-
-
 def _worst(report: GrowthReport) -> Iterator[tuple[str, ...]]:
     for indicator, worst in report.worst.items():
         measured = [row for row in report.rows if row.indicator == indicator]
         sexes = (max((row.z[sex] for row in measured), key=abs) for sex in ("male", "female"))
-        z = (f"{z:+.2f}" for z in sexes)
-        yield NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *z, _published_worst(indicator)
+        ours = (f"{z:+.2f}" for z in sexes)
+        known = [item.paper for item in figures_of("growth") if item.quantity.startswith(f"{NAMES[indicator]} at ")]
+        of_mimo = max((z for z in known if z[0] in "+-"), key=lambda z: abs(float(z)), default="not known")
+        yield NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *ours, of_mimo

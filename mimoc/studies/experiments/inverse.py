@@ -15,21 +15,16 @@ from mimoc.policies.reach import ReachErrors, reach_errors
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.figures import Measured, yes
-from mimoc.studies.experiments.notebook import Cell, Notebook, markdown_table, table_rows
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, markdown_table, table_rows, yes
 
 AGE_MONTHS = 18
-TRIALS, QUICK_TRIALS = 10, 3
-"""Number of trials for each set of gains; the paper shows the mean of ten."""
+TRIALS, QUICK_TRIALS = 10, 3  # Number of trials for each set of gains; the paper shows the mean of ten.
 SECONDS, QUICK_SECONDS = 2.0, 1.0
-SEED = 1
-"""Seed of the targets, which are the same for all gains."""
+SEED = 1  # Seed of the targets, which are the same for all gains.
 REACHED_MM, ALIGNED_DEG = 5.0, 2.0
 """Mean errors at the end below which hands have reached their targets, and eyes look at them."""
-REPORTED_S = (0.25, 0.5, 1.0, 2.0)
-"""Times at which the table reports errors."""
+REPORTED_S = (0.25, 0.5, 1.0, 2.0)  # Times at which the table reports errors.
 
 HANDS = Quantity("hands_mm", "Distance of hands from targets", "mm")
 EYES = Quantity("eyes_deg", "Misalignment of eyes", "degrees")
@@ -47,7 +42,12 @@ Errors = Mapping[str, FloatArray]
 def run(notebook: Notebook) -> Path:
     """Let an infant reach with each set of gains, and return the path of the report."""
     trials, seconds = (QUICK_TRIALS, QUICK_SECONDS) if notebook.quick else (TRIALS, SECONDS)
-    reaches = dict(_reaches(notebook, trials, seconds))
+    bundle, reaches = sitting(notebook.law), dict[str, ReachErrors]()
+    for number, (name, gains) in enumerate(GAIN_SETS.items()):
+        progress = notebook.part(number * trials, trials, len(GAIN_SETS) * trials)
+        with closing(InfantEnv(bundle)) as env:
+            generator = np.random.default_rng(SEED)
+            reaches[name] = reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=progress)
     time_s = next(iter(reaches.values())).time_s
     hands_mm = {name: _all_limbs(1000 * reach.hands_m) for name, reach in reaches.items()}
     eyes_deg = {name: _all_limbs(np.degrees(reach.eyes_rad)) for name, reach in reaches.items()}
@@ -57,25 +57,19 @@ def run(notebook: Notebook) -> Path:
     notebook.write_plots("inverse.png", plots)
     halfway_mm = [np.median(errors[:, len(time_s) // 4]) for errors in hands_mm.values()]
     faster = all(larger < smaller for smaller, larger in pairwise(halfway_mm))
+    numbers = (
+        (name, *(number for gain in (it.hands, it.eyes) for number in (gain.strength, gain.viscosity_per_s)))
+        for name, it in GAIN_SETS.items()
+    )
     return notebook.write_page(
         _measured(hands_mm, eyes_deg, faster, trials),
         age=AGE_MONTHS,
         trials=trials,
-        gains=_gains_rows(),
+        gains=table_rows((name, *(f"{number:g}" for number in row)) for name, *row in numbers),
         table=_table(time_s, hands_mm, eyes_deg),
         make="make" if faster else "do not always make",
         seed=SEED,
     )
-
-
-def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
-    """Yield the errors of reaching with each set of gains."""
-    bundle = sitting(notebook.law)
-    for number, (name, gains) in enumerate(GAIN_SETS.items()):
-        progress = notebook.part(number * trials, trials, len(GAIN_SETS) * trials)
-        with closing(InfantEnv(bundle)) as env:
-            generator = np.random.default_rng(SEED)
-            yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=progress)
 
 
 def infants(law: Development) -> Iterator[Bundle]:
@@ -85,19 +79,11 @@ def infants(law: Development) -> Iterator[Bundle]:
 
 def sitting(development: Development) -> Bundle:
     """Return an infant that sits with its trunk held."""
-    spec = {
-        "mimoc": 1,
-        "name": "reaching",
-        "age_months": AGE_MONTHS,
-        "development": development,
-        "actuation": {"locked": ["trunk"]},
-        "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
-    }
-    return pipeline.build(InfantSpec.model_validate(spec))
+    actuation, scene = {"locked": ["trunk"]}, {"kind": "flat", "pose": "sitting", "held": ["hip"]}
+    return pipeline.build(child("reaching", AGE_MONTHS, development=development, actuation=actuation, scene=scene))
 
 
 def _all_limbs(errors: FloatArray) -> FloatArray:
-    """Return errors by trial, time and limb as those of all limbs in all trials, shape (n, t + 1)."""
     return np.concatenate(list(np.moveaxis(errors, 2, 0)))
 
 
@@ -117,16 +103,7 @@ def _rows(time_s: FloatArray, *both: Errors) -> Iterator[Sequence[Cell]]:
             yield name, *numbers
 
 
-def _gains_rows() -> str:
-    numbers = {
-        name: (gains.hands.strength, gains.hands.viscosity_per_s, gains.eyes.strength, gains.eyes.viscosity_per_s)
-        for name, gains in GAIN_SETS.items()
-    }
-    return table_rows((name, *(f"{number:g}" for number in row)) for name, row in numbers.items())
-
-
 def _table(time_s: FloatArray, *both: Errors) -> str:
-    """Return mean and median of errors at some times."""
     indices = {at_s: int(np.argmin(np.abs(time_s - at_s))) for at_s in REPORTED_S if at_s <= time_s[-1] + 1e-9}
     headings = ("gains", *(f"{what} at {at_s:g} s" for what in ("hands [mm]", "eyes [deg]") for at_s in indices))
     rows = [
@@ -137,7 +114,6 @@ def _table(time_s: FloatArray, *both: Errors) -> str:
 
 
 def _measured(hands_mm: Errors, eyes_deg: Errors, faster: bool, trials: int) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     *_, largest = GAIN_SETS
     arrived = hands_mm[largest][:, -1].mean() < REACHED_MM and eyes_deg[largest][:, -1].mean() < ALIGNED_DEG
     return {

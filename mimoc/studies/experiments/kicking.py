@@ -10,8 +10,7 @@ from mimoc.base.quantities.child import AGE
 from mimoc.bundle.io import Bundle
 from mimoc.movement.filming import RATE_HZ, Filmed
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import leg_lengths
+from mimoc.movement.measures import kicks_of, leg_lengths
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
 from mimoc.movement.trunk_frame import trunk_paths
@@ -20,7 +19,7 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.experiments.legs.driving import Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, open_infant
 from mimoc.studies.experiments.legs.intervals import Interval, band_of, interval, sign_test
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 MONTHS: Sequence[float] = (0, 1, 3, 6)
@@ -30,8 +29,7 @@ QUICK_WEEKS: Sequence[float] = ()
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 20.0
 SHOWN_SEED = 0
-SHOWN_S = 20.0
-"""Time in which loops of hip and knee are drawn."""
+SHOWN_S = 20.0  # Time in which loops of hip and knee are drawn.
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,15 +45,12 @@ class Published:
     """What real infants do, by a measure of `mimoc movement`."""
 
     measure: str
-    short: str
-    """Its label in a small plot."""
-    low: float | None = None
-    """None if only recordings of real infants tell."""
+    short: str  # Its label in a small plot.
+    low: float | None = None  # None if only recordings of real infants tell.
     high: float | None = None
     source: str = "-"
     """With R for read in the paper or its abstract; what is not is an assumption, by which nothing is judged."""
-    until_months: float = 6
-    """The oldest age that it is about."""
+    until_months: float = 6  # The oldest age that it is about.
 
     @property
     def quantity(self) -> Quantity:
@@ -118,30 +113,28 @@ PUBLISHED: Sequence[Published] = (
     Published(LEGS, "Left and right"),
 )
 
-Seeds = Sequence[Mapping[str, float]]
-"""Measures of each seed."""
+Seeds = Sequence[Mapping[str, float]]  # Measures of each seed.
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of several ages kick, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants of several ages kick, and return the path of the report."""
     quick = notebook.quick
     months, weeks = (QUICK_MONTHS, QUICK_WEEKS) if quick else (MONTHS, WEEKS)
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
     ages = sorted((*months, *(week * MONTHS_PER_WEEK for week in weeks)))
-    trials = [Trial(kicking, Case(age, seconds), seed) for age in ages for seed in seeds]
-    results = run_trials(notebook, trials)
-    by_age: dict[float, Seeds] = {}
-    loops: dict[float, Result] = {}
-    for number, age in enumerate(ages):
-        part = results[number * len(seeds) : (number + 1) * len(seeds)]
-        by_age[age], loops[age] = [result.values for result in part], part[0]
-    notebook.write_table("kicks.csv", "age_months,seed,measure,value", _rows(by_age, seeds))
+    results = run_cases(notebook, [(kicking, Case(age, seconds)) for age in ages], seeds)
+    write_measures(notebook, "kicks.csv", results, seeds, age_months="age_months")
+    by_age = {case.age_months: [result.values for result in same] for case, same in results.items()}
+    loops = {case.age_months: same[0] for case, same in results.items()}
     sheet = Sheet(tuple(_age_plots(by_age)), columns=4, panel_px=(480, 380))
     notebook.write_picture("kicks.png", encode(sheet))
-    notebook.write_plots("loops.png", list(_loops({age: loops[age] for age in months})))
+    hip, knee = Quantity("hip_deg", "Hip", "°"), Quantity("knee_deg", "Knee", "°")
+    plots = []
+    for age in months:
+        line = Line(loops[age].traces["hip"], loops[age].traces["knee"], "", "median")
+        title = f"{age:g} month{'s' * (age != 1)}"
+        plots.append(Plot(hip, knee, (line,), title=title, x_range=(40, 180), y_range=(25, 180)))
+    notebook.write_plots("loops.png", plots)
     page = notebook.write_page(
         None,
         "scipy",
@@ -174,7 +167,6 @@ def kicking(case: Case, seed: int) -> Result:
 
 
 def _shown(film: Filmed) -> dict[str, tuple[float, ...]]:
-    """Return the angles of hip and knee of the left leg in the part of the motion that has the most kicks."""
     leg, length = leg_lengths(trunk_paths(film.seen))[0], round(SHOWN_S * RATE_HZ)
     peaks = [kick.peak for kick in kicks_of(leg, RATE_HZ)]
     starts = [max(0, min(peak - round(RATE_HZ), len(leg) - length)) for peak in peaks] or [0]
@@ -184,15 +176,7 @@ def _shown(film: Filmed) -> dict[str, tuple[float, ...]]:
     return {joint: tuple(angles_deg[f"left_{joint}"][part].round(2).tolist()) for joint in ("hip", "knee")}
 
 
-def _rows(by_age: Mapping[float, Seeds], seeds: Sequence[int]) -> Iterator[tuple[float, int, str, float]]:
-    for age, values in by_age.items():
-        for seed, measures in zip(seeds, values, strict=True):
-            for name, value in measures.items():
-                yield age, seed, name, value
-
-
 def _of(values: Seeds, name: str) -> list[float]:
-    """Return a measure of all seeds that have it."""
     return [measures[name] for measures in values if name in measures]
 
 
@@ -203,26 +187,20 @@ def _table(by_age: Mapping[float, Seeds]) -> str:
             *(_cell(item, age, _of(by_age[age], item.measure)) for age in by_age),
             item.text,
             item.source,
-            _text(recorded(item.measure)),
+            "{:.2g} to {:.2g}".format(*between) if (between := recorded(item.measure)) else "-",
         )
         for item in PUBLISHED
     )
-
-
-def _text(between: tuple[float, float] | None) -> str:
-    return f"{between[0]:.2g} to {between[1]:.2g}" if between else "-"
 
 
 def _cell(item: Published, age_months: float, values: Sequence[float]) -> str:
     if not values:
         return "none"
     mean = interval(values)
-    digits = 1 if mean.mean >= 5 else 2
-    return mean.text(digits) + item.verdict(age_months, mean)
+    return mean.text(1 if mean.mean >= 5 else 2) + item.verdict(age_months, mean)
 
 
 def _directions(by_age: Mapping[float, Seeds]) -> str:
-    """Return as sentences which measures fall or rise with age, as published, over seeds."""
     ages = list(by_age)
     young, old = ages[0], ages[-1]
     six, eighteen = (min(ages, key=lambda age, week=week: abs(age - week * MONTHS_PER_WEEK)) for week in (6, 18))
@@ -260,10 +238,3 @@ def _age_plots(by_age: Mapping[float, Seeds]) -> Iterator[Plot]:
         lines = (Line(ages, [mean.mean for mean in means], "mean", "median"),)
         points = (Dots([age for age, _ in dots], [value for _, value in dots], "infants", "whisker"),)
         yield Plot(AGE, replace(item.quantity, label=item.short), lines, tuple(bands), points)
-
-
-def _loops(shown: Mapping[float, Result]) -> Iterator[Plot]:
-    hip, knee = Quantity("hip_deg", "Hip", "°"), Quantity("knee_deg", "Knee", "°")
-    for age, result in shown.items():
-        line = Line(result.traces["hip"], result.traces["knee"], "", "median")
-        yield Plot(hip, knee, (line,), title=f"{age:g} month{'s' * (age != 1)}", x_range=(40, 180), y_range=(25, 180))

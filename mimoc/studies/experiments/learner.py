@@ -19,16 +19,11 @@ from mimoc.studies.experiments.notebook import Cell, Notebook, Progress
 from mimoc.studies.experiments.sensed_reaching import Movement
 from mimoc.training import Curve, Episode, Training, train
 
-STEP_MS = 10.0
-"""Duration of a control step."""
-LAST = 0.2
-"""Final fraction of the training over which learning is averaged."""
-BINS = 25
-"""Number of bins of a plotted learning curve."""
-FIRST_BALL = 1000
-"""Seed of the first ball, which is not the seed of any training run."""
-LIBRARIES = ("gymnasium", "stable-baselines3", "torch")
-"""Libraries that the results of trained infants depend on."""
+STEP_MS = 10.0  # Duration of a control step.
+LAST = 0.2  # Final fraction of the training over which learning is averaged.
+BINS = 25  # Number of bins of a plotted learning curve.
+FIRST_BALL = 1000  # Seed of the first ball, which is not the seed of any training run.
+LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # Libraries that the results of trained infants depend on.
 THOUSANDS = replace(TRAINED, unit="thousands")
 
 
@@ -36,12 +31,10 @@ THOUSANDS = replace(TRAINED, unit="thousands")
 class Learner:
     """An infant trained to reach; a reach that fails counts with the full length of its episode in all times."""
 
-    group: str
-    """What tells it from others: its delay in ms, or its schedule of growth."""
+    group: str  # What tells it from others: its delay in ms, or its schedule of growth.
     seed: int
     training: Training
-    reaches: list[Episode]
-    """Its reaches after training."""
+    reaches: list[Episode]  # Its reaches after training.
     checks: Mapping[int, list[Episode]] = field(default_factory=dict)
     """Its reaches at each checkpoint, by the control steps of training; the last one included."""
 
@@ -128,13 +121,9 @@ def learning_plot(groups: Mapping[str, Sequence[Learner]], y: Quantity, title: s
 def banded_plot(
     curves: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]], y: Quantity, title: str, level: float | None = None
 ) -> Plot:
-    """Return the means over seeds, with bands from the least to the greatest.
+    """Return the means over seeds, with bands from the least to the greatest, and a horizontal line at *level*.
 
-    Args:
-        curves: Steps, shape (n,), and values of all seeds, shape (m, n), by label.
-        y: What the values are.
-        title: Title of the plot.
-        level: Value marked by a horizontal line.
+    Curves are steps, shape (n,), and values of all seeds, shape (m, n), by label.
     """
     lines, bands = [], []
     for label, (steps, values) in curves.items():
@@ -145,7 +134,6 @@ def banded_plot(
 
 
 def _binned(curve: Curve) -> tuple[FloatArray, FloatArray]:
-    """Return the mean steps and the mean time to reach of each bin of a training run, shape (n,) each."""
     steps, durations_s = curve.column("steps"), times_s(curve)
     parts = np.array_split(np.arange(len(steps)), min(BINS, len(steps)))
     return (

@@ -15,8 +15,7 @@ from mimoc.compiler.pipeline import build
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 
 MONTHS: Sequence[float] = (2, 4, 6, 12, 18)
 QUICK_MONTHS: Sequence[float] = (4, 18)
@@ -27,16 +26,12 @@ PUBLISHED_DEG: Mapping[float, tuple[float, float]] = {2: (27, 27), 4: (20, 22), 
 memory)."""
 PUBLISHED_US = (50.0, 75.0)
 """Smallest interaural time differences that infants of 16, 20 and 28 weeks hear (Ashmead et al. 1991)."""
-FITTED_MONTHS = 4.0
-"""Age whose published angle gives the timing noise of the first observer."""
-CORRECT = 0.75
-"""Share of right answers at the minimum audible angle."""
+FITTED_MONTHS = 4.0  # Age whose published angle gives the timing noise of the first observer.
+CORRECT, QUANTILE = 0.75, 0.6745  # Share of right answers at the minimum audible angle, and its normal quantile.
 TRIALS, QUICK_TRIALS = 100_000, 4000
 DISTANCE_M, LEVEL_DB, BURST_S = 1.5, 65.0, 0.05
-STEPS = 9
-"""Control steps in which a burst is heard whole."""
-FINER = 16
-"""By which the cross-correlation is interpolated: 2.6 µs."""
+STEPS = 9  # Control steps in which a burst is heard whole.
+FINER = 16  # By which the cross-correlation is interpolated: 2.6 µs.
 TIME = Quantity("time_us", "Interaural time difference", "µs")
 AZIMUTH = Quantity("azimuth_deg", "Azimuth", "deg")
 ANGLE = Quantity("angle_deg", "Minimum audible angle", "deg")
@@ -48,14 +43,8 @@ class Ears:
 
     age_months: float
     radius_m: float
-    angles_deg: tuple[float, ...]
-    """Azimuths of the sounds, to the left."""
-    times_us: tuple[float, ...]
-    """By how much later the right ear heard each of them."""
-
-    def angle_of(self, time_us: float) -> float:
-        """Return the azimuth of a time difference, or 90 degrees beyond the largest one."""
-        return float(np.interp(time_us, self.times_us, self.angles_deg))
+    angles_deg: tuple[float, ...]  # Azimuths of the sounds, to the left.
+    times_us: tuple[float, ...]  # By how much later the right ear heard each of them.
 
 
 def run(notebook: Notebook) -> Path:
@@ -64,8 +53,10 @@ def run(notebook: Notebook) -> Path:
     trials = QUICK_TRIALS if notebook.quick else TRIALS
     count = notebook.counter(len(months))
     heard = [count(hear(age_months, angles)) for age_months in months]
-    fitted_us = _noise_us(next(ears for ears in heard if ears.age_months == FITTED_MONTHS))
-    noises_us = {"angles at 4 months": fitted_us, "times at 4 to 6 months": float(np.mean(PUBLISHED_US)) / _quantile()}
+    fitted = next(ears for ears in heard if ears.age_months == FITTED_MONTHS)
+    fitted_us = float(np.interp(float(np.mean(PUBLISHED_DEG[FITTED_MONTHS])), fitted.angles_deg, fitted.times_us))
+    by_source_us = {"angles at 4 months": fitted_us, "times at 4 to 6 months": float(np.mean(PUBLISHED_US))}
+    noises_us = {name: time_us / QUANTILE for name, time_us in by_source_us.items()}
     angles_deg = {name: [judged_deg(ears, noise_us, trials) for ears in heard] for name, noise_us in noises_us.items()}
     rows = [
         (ears.age_months, angle_deg, time_us, 1e6 * float(interaural_time_s(np.radians(angle_deg), ears.radius_m)))
@@ -75,7 +66,11 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("times.csv", "age_months,azimuth_deg,time_us,woodworth_us", rows)
     table = [(ears.age_months, 100 * ears.radius_m, *values) for ears, *values in zip(heard, *angles_deg.values())]  # noqa: B905
     notebook.write_table("angles.csv", "age_months,radius_cm,fitted_to_angle_deg,fitted_to_times_deg", table)
-    notebook.write_plots("localisation.png", [_times_plot(heard), _angles_plot(heard, angles_deg)])
+    low, high = zip(*(PUBLISHED_DEG[ears.age_months] for ears in heard), strict=True)
+    ages = [ears.age_months for ears in heard]
+    lines = tuple(Line(ages, values, f"noise from {name}") for name, values in angles_deg.items())
+    angles_plot = Plot(AGE, ANGLE, lines, bands=(Band(ages, low, high, "published"),), title="Minimum audible angle")
+    notebook.write_plots("localisation.png", [_times_plot(heard), angles_plot])
     return notebook.write_page(None, **_numbers(heard, rows, noises_us, list(angles_deg.values()), trials))
 
 
@@ -125,20 +120,7 @@ def infants(law: None) -> Iterator[Bundle]:
 
 
 def _bundle(age_months: float) -> Bundle:
-    senses = {"hearing": {"output": "waveform", "thresholds": "age"}}
-    data = {"mimoc": 1, "name": "listener", "age_months": age_months, "senses": senses}
-    return build(InfantSpec.model_validate(data))
-
-
-def _quantile() -> float:
-    """Return the time difference that is told in `CORRECT` of all trials, relative to the standard deviation."""
-    return 0.6745
-
-
-def _noise_us(ears: Ears) -> float:
-    """Return the timing noise with which an age has its published angle."""
-    angle_deg = float(np.mean(PUBLISHED_DEG[ears.age_months]))
-    return float(np.interp(angle_deg, ears.angles_deg, ears.times_us)) / _quantile()
+    return build(child("listener", age_months, senses={"hearing": {"output": "waveform", "thresholds": "age"}}))
 
 
 def _times_plot(heard: Sequence[Ears]) -> Plot:
@@ -152,13 +134,6 @@ def _times_plot(heard: Sequence[Ears]) -> Plot:
     return Plot(AZIMUTH, TIME, tuple(lines), dots=tuple(dots), title="Time between the ears")
 
 
-def _angles_plot(heard: Sequence[Ears], angles_deg: Mapping[str, Sequence[float]]) -> Plot:
-    months = [ears.age_months for ears in heard]
-    lines = tuple(Line(months, list(values), f"noise from {name}") for name, values in angles_deg.items())
-    low, high = zip(*(PUBLISHED_DEG[age] for age in months), strict=True)
-    return Plot(AGE, ANGLE, lines, bands=(Band(months, low, high, "published"),), title="Minimum audible angle")
-
-
 def _numbers(
     heard: Sequence[Ears],
     rows: Sequence[tuple[float, ...]],
@@ -166,7 +141,6 @@ def _numbers(
     angles_deg: Sequence[Sequence[float]],
     trials: int,
 ) -> dict[str, object]:
-    """Return what the page says."""
     fitted_us, timed_us = noises_us.values()
     published = [PUBLISHED_DEG[ears.age_months] for ears in heard]
     needed_us = [

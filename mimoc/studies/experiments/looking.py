@@ -7,30 +7,25 @@ from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.vision.build_acuity import acuity_at
 from mimoc.components.senses.vision.thresholds import sensitivity_at
 from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.grating_card import CardTrial, Eyes, looking_infant
 from mimoc.studies.experiments.notebook import Notebook, markdown_table
-
-FloatArray = npt.NDArray[np.float64]
 
 AGES_MONTHS: Sequence[float] = (1, 3, 6, 12)
 QUICK_MONTHS: Sequence[float] = (1, 6)
 FAR_FROM_MONTHS = 6
 NEAR_M, FAR_M = 0.38, 0.84
 """Distance of the card before that age, and from it on; both are used with the Teller Acuity Cards."""
-HALF_WIDTH_M = 0.21
-"""What is seen to each side of the middle of the card."""
+HALF_WIDTH_M = 0.21  # What is seen to each side of the middle of the card.
 SIZE_PX = 512
-NOISE = 0.003
-"""Standard deviation of the noise of the decision, on each side, as a contrast."""
-RIGHT = 0.75
-"""Share of right choices at the threshold, as is usual with two sides."""
+NOISE = 0.003  # Standard deviation of the noise of the decision, on each side, as a contrast.
+RIGHT = 0.75  # Share of right choices at the threshold, as is usual with two sides.
 MATURING = tuple((key, "age") for key in ("contrast", "colour", "field", "focus", "flicker"))
 PLAIN, MATURE_KEYS, USUAL = "acuity alone", "all that matures", "64 x 64 pixels"
 ACUITY_SHARES: Sequence[float] = (0.5, 0.65, 0.8, 0.88, 0.94, 0.98, 1.02, 1.06, 1.15)
@@ -50,10 +45,8 @@ class Threshold:
     """Where an infant chooses the grating in three of four trials."""
 
     age_months: float
-    entered: float
-    """What its eyes are built with."""
-    measured: float
-    """NaN if no grating was preferred."""
+    entered: float  # What its eyes are built with.
+    measured: float  # NaN if no grating was preferred.
 
     @property
     def ratio(self) -> float:
@@ -69,15 +62,12 @@ def run(notebook: Notebook) -> Path:
     mature = [count(acuity(age, eyes_of(age, MATURING))) for age in ages]
     usual = [count(acuity(age, Eyes(age, NEAR_M, 64, 60.0), USUAL_CPD)) for age in ages]
     contrasts = {age: count(list(contrast_thresholds(age))) for age in ages}
-    notebook.write_table(
-        "acuity.csv",
-        "age_months,eyes,entered_cpd,measured_cpd",
-        (
-            (item.age_months, name, item.entered, item.measured)
-            for name, items in ((PLAIN, plain), (MATURE_KEYS, mature), (USUAL, usual))
-            for item in items
-        ),
+    rows = (
+        (item.age_months, name, item.entered, item.measured)
+        for name, items in ((PLAIN, plain), (MATURE_KEYS, mature), (USUAL, usual))
+        for item in items
     )
+    notebook.write_table("acuity.csv", "age_months,eyes,entered_cpd,measured_cpd", rows)
     notebook.write_table(
         "contrast.csv",
         "age_months,frequency_cpd,entered,measured",
@@ -85,6 +75,12 @@ def run(notebook: Notebook) -> Path:
     )
     notebook.write_plots("looking.png", [_acuity_plot(ages, plain, mature), _contrast_plot(contrasts)])
     measured = [item for items in contrasts.values() for _, item in items]
+    headings = ("months", "cycles/degree", "entered threshold [%]", "measured [%]", "measured / entered")
+    rows = (
+        [f"{age:g}", f"{at:.2f}", f"{100 * item.entered:.1f}", f"{100 * item.measured:.1f}", f"{item.ratio:.2f}"]
+        for age, items in contrasts.items()
+        for at, item in items
+    )
     return notebook.write_page(
         None,
         size=SIZE_PX,
@@ -93,7 +89,7 @@ def run(notebook: Notebook) -> Path:
         far_from=FAR_FROM_MONTHS,
         noise=100 * NOISE,
         acuities=_acuity_table(plain, mature, usual),
-        contrasts=_contrast_table(contrasts),
+        contrasts=markdown_table(headings, rows),
         plain_error=max(abs(item.ratio - 1) for item in plain) * 100,
         contrast_error=max(abs(item.ratio - 1) for item in measured) * 100,
         contrast_count=len(measured),
@@ -112,10 +108,7 @@ def eyes_of(age_months: float, keys: tuple[tuple[str, str], ...] = ()) -> Eyes:
 
 
 def right_choices(contrasts: FloatArray) -> float:
-    """Return the share of right choices: the side with more contrast, plus noise, is looked at; the right one is last.
-
-    With the difference d and noise s on each side, this is Φ(d / (s √2)).
-    """
+    """Return Φ(d / (s √2)), the share of right choices with the difference d of contrasts and noise s on each side."""
     plain, grating = contrasts
     return NormalDist(0, NOISE * math.sqrt(2)).cdf(float(grating - plain))
 
@@ -152,10 +145,7 @@ def contrast_thresholds(age_months: float) -> Iterator[tuple[float, Threshold]]:
 
 
 def crossing(values: Sequence[float], shares: Sequence[float]) -> float:
-    """Return where the share of right choices first reaches the threshold and stays there, between two of some values.
-
-    It is interpolated evenly in the logarithm of the values; NaN if that is nowhere.
-    """
+    """Return from which value on the share of right choices is at the threshold, by logarithms of values; or NaN."""
     missed = [index for index, share in enumerate(shares) if share < RIGHT]
     if not missed or missed[-1] + 1 == len(shares):
         return math.nan if missed else float(values[0])
@@ -181,30 +171,14 @@ def _acuity_table(plain: Sequence[Threshold], mature: Sequence[Threshold], usual
     return markdown_table(headings, rows)
 
 
-def _contrast_table(contrasts: dict[float, list[tuple[float, Threshold]]]) -> str:
-    headings = ("months", "cycles/degree", "entered threshold [%]", "measured [%]", "measured / entered")
-    rows = (
-        [f"{age:g}", f"{at:.2f}", f"{100 * item.entered:.1f}", f"{100 * item.measured:.1f}", f"{item.ratio:.2f}"]
-        for age, items in contrasts.items()
-        for at, item in items
-    )
-    return markdown_table(headings, rows)
-
-
 def _acuity_plot(ages: Sequence[float], plain: Sequence[Threshold], mature: Sequence[Threshold]) -> Plot:
-    return Plot(
-        x=Quantity("age_months", "Age", "months"),
-        y=Quantity("acuity_cpd", "Finest grating preferred", "cycles/degree"),
-        lines=tuple(
-            Line(ages, [acuity_at(age, profile) for age in ages], label)
-            for profile, label in (("tac2", "entered"), ("mayer1995", "Mayer et al. 1995"))
-        ),
-        dots=tuple(
-            Dots(ages, [item.measured for item in items], label)
-            for label, items in ((PLAIN, plain), (MATURE_KEYS, mature))
-        ),
-        title="Acuity",
-    )
+    x = Quantity("age_months", "Age", "months")
+    y = Quantity("acuity_cpd", "Finest grating preferred", "cycles/degree")
+    profiles = {"tac2": "entered", "mayer1995": "Mayer et al. 1995"}
+    lines = tuple(Line(ages, [acuity_at(age, name) for age in ages], label) for name, label in profiles.items())
+    measured = {PLAIN: plain, MATURE_KEYS: mature}
+    dots = tuple(Dots(ages, [item.measured for item in items], label) for label, items in measured.items())
+    return Plot(x, y, lines, dots=dots, title="Acuity")
 
 
 def _contrast_plot(contrasts: dict[float, list[tuple[float, Threshold]]]) -> Plot:
@@ -213,10 +187,6 @@ def _contrast_plot(contrasts: dict[float, list[tuple[float, Threshold]]]) -> Plo
         label, at = f"{age:g} month{'s' * (age != 1)}", [frequency for frequency, _ in items]
         lines.append(Line(np.log2(at), np.log10([1 / item.entered for _, item in items]), label))
         dots.append(Dots(np.log2(at), np.log10([1 / item.measured for _, item in items]), label))
-    return Plot(
-        x=Quantity("frequency", "Spatial frequency", "log2 of cycles/degree"),
-        y=Quantity("sensitivity", "Contrast sensitivity", "log10"),
-        lines=tuple(lines),
-        dots=tuple(dots),
-        title="Contrast sensitivity",
-    )
+    x = Quantity("frequency", "Spatial frequency", "log2 of cycles/degree")
+    y = Quantity("sensitivity", "Contrast sensitivity", "log10")
+    return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")

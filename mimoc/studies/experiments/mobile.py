@@ -13,46 +13,32 @@ from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import correlation, leg_lengths
+from mimoc.movement.measures import correlation, kicks_of, leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.infants import (
-    Setup,
-    bundle_of,
-    mobile_speed_m_s,
-    open_infant,
-    ribbon_m,
-    tie_ribbon,
-)
-from mimoc.studies.experiments.legs.intervals import band_of, interval
-from mimoc.studies.experiments.legs.learner import EFFORT, FORGETTING_S, LARGEST, WINDOW_S, GainLearner
+from mimoc.studies.experiments.legs.infants import Setup, bundle_of, mobile_speed_m_s, open_infant, ribbon_m, tie_ribbon
+from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
+from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
 from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 180.0, "acquisition": 360.0, "extinction": 180.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 30.0, "acquisition": 60.0, "extinction": 30.0}
-COMPARED_S = 180.0
-"""The end of a phase, by which it is judged."""
-BIN_S = 30.0
-"""Width of the bins of curves."""
+COMPARED_S = 180.0  # The end of a phase, by which it is judged.
+BIN_S = 30.0  # Width of the bins of curves.
 SEEDS, QUICK_SEEDS = range(20), range(2)
-TYING_S = 10.0
-"""Time that the infant moves before the ribbon is tied: straight half of that time."""
+TYING_S = 10.0  # Time that the infant moves before the ribbon is tied: straight half of that time.
 AROUSAL = 0.9
 """Of an infant that lies under a mobile: fitted, so that it kicks about 10 times a minute before, as published."""
-PARTNER = 1000
-"""Added to the seed of the infant that sees what another one did."""
-ENOUGH = 1.5
-"""Ratio of the rate of kicks that is asked for."""
+PARTNER = 1000  # Added to the seed of the infant that sees what another one did.
+ENOUGH = 1.5  # Ratio of the rate of kicks that is asked for.
 CONDITIONS = ("contingent", "yoked")
 LEGS = {"left": "tied leg", "right": "other leg"}
-FREE = ("contingent_right", "yoked_left", "yoked_right")
-"""Legs that move nothing that is seen."""
+FREE = ("contingent_right", "yoked_left", "yoked_right")  # Legs that move nothing that is seen.
 MINUTES = Quantity("minute", "Time", "min")
 RATE_PER_MIN = Quantity("rate_per_min", "Kicks", "1/min")
 GAIN = Quantity("gain", "Learnt gain of the drive")
@@ -63,10 +49,8 @@ class Session:
     """What an infant did under a mobile."""
 
     film: Filmed
-    rewards_m_s: Sequence[float]
-    """Mean speed of the mobile that it was tied to in each window, seen or not."""
-    gains: FloatArray
-    """Gain of each limb that it had learnt after each window, shape (windows, 6)."""
+    rewards_m_s: Sequence[float]  # Mean speed of the mobile that it was tied to in each window, seen or not.
+    gains: FloatArray  # Gain of each limb that it had learnt after each window, shape (windows, 6).
 
     @property
     def kicks_s(self) -> dict[str, FloatArray]:
@@ -77,24 +61,29 @@ class Session:
 
 
 def run(notebook: Notebook) -> Path:
-    """Let pairs of infants lie under a mobile, and return the path of the report.
-
-    An interrupted run goes on with the pairs that it had not finished, if its folder is the same.
-    """
+    """Let pairs of infants lie under a mobile, and return the path of the report."""
     phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
     case = Phases(tuple(phases_s.values()), COMPARED_S)
-    results = run_trials(notebook, [Trial(pair, case, seed) for seed in seeds])
-    notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", _bins(results, seeds))
-    notebook.write_table(
-        "mobile.csv",
-        "seed,measure,value",
-        (
-            (seed, name, value)
-            for seed, result in zip(seeds, results, strict=True)
-            for name, value in result.values.items()
-        ),
+    by_case = run_cases(notebook, [(pair, case)], seeds)
+    results = by_case[case]
+    bins = (
+        (condition, label, seed, slot * BIN_S, rate)
+        for seed, result in zip(seeds, results, strict=True)
+        for condition in CONDITIONS
+        for side, label in LEGS.items()
+        for slot, rate in enumerate(result.traces[f"{condition}_{side}"])
     )
+    notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", bins)
+    write_measures(notebook, "mobile.csv", by_case, seeds)
     notebook.write_plots("mobile.png", list(_plots(results, case)))
+    tied, gain = "contingent_left_ratio", "contingent_left_gain"
+    asked = {  # In how many pairs the first measure is larger.
+        "more than the yoked partner": (tied, "yoked_left_ratio"),
+        "the tied leg more than the other": (tied, "contingent_right_ratio"),
+        "a gain of the tied leg above the partner's": (gain, "yoked_left_gain"),
+        "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
+        "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
+    }
     page = notebook.write_page(
         None,
         "scipy",
@@ -102,15 +91,12 @@ def run(notebook: Notebook) -> Path:
         seeds=len(seeds),
         **{f"{name}_min": seconds / 60.0 for name, seconds in phases_s.items()},
         compared=case.compared_s / 60.0,
-        window=WINDOW_S,
-        largest=np.exp(LARGEST),
-        effort=EFFORT,
         arousal=AROUSAL,
-        forgetting=FORGETTING_S,
+        **PAGE_NUMBERS,
         limbs=", ".join(name.replace("_", " ") for name in LIMBS),
         table=_table(results),
         answer=_answer(results),
-        predictions=_predictions(results),
+        predictions=table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()})),
     )
     forget_trials(notebook)
     return page
@@ -137,12 +123,8 @@ def pair(case: Phases, seed: int) -> Result:
 def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Session:
     """Return what an infant does under a mobile that it sees during acquisition only.
 
-    Its leg is tied to a mobile all the time, so that the ribbon pulls alike in all phases.
-
-    Args:
-        case: The session.
-        seed: Of the infant, its movement and what it tries.
-        others_m_s: How fast the mobile that it sees moves in each window; None is its own, tied to its left leg.
+    Its leg is tied to a mobile all the time, so that the ribbon pulls alike in all phases. What it sees moves in each
+    window as fast as *others_m_s* say, or, without them, as its own.
     """
     seen_from, seen_to, windows = (round(end_s / WINDOW_S) for end_s in case.ends_s)
     with closing(open_infant(Setup(AGE_MONTHS, tied="left"))) as env:
@@ -155,21 +137,16 @@ def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Sess
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
         for window, other_m_s in enumerate(islice(shown, windows)):
             mover.set_gains(learner.gains, rates=True)
-            reward_m_s = _window(mover, film)
+            speeds_m_s = []
+            for _ in mover.steps(WINDOW_S):
+                film.watch(mover.env)
+                speeds_m_s.append(mobile_speed_m_s(mover.env))
+            reward_m_s = float(np.mean(speeds_m_s))
             rewards_m_s.append(reward_m_s)
             seen_m_s = reward_m_s if other_m_s is None else other_m_s
             learner.feel(seen_m_s if seen_from <= window < seen_to else 0.0, mover.take_movement())
             gains.append(learner.gains)
     return Session(film.develop(f"seed {seed}"), rewards_m_s, np.array(gains))
-
-
-def _window(mover: Mover, film: Film) -> float:
-    """Film one window, and return how fast the mobile moves on average."""
-    speeds_m_s = []
-    for _ in mover.steps(WINDOW_S):
-        film.watch(mover.env)
-        speeds_m_s.append(mobile_speed_m_s(mover.env))
-    return float(np.mean(speeds_m_s))
 
 
 def _measures(case: Phases, infant: Session) -> dict[str, float]:
@@ -204,11 +181,13 @@ def _table(results: Sequence[Result]) -> str:
 
 
 def _answer(results: Sequence[Result]) -> str:
-    """Return whether kicks rise by half, by condition."""
     contingent, yoked = ([ratio >= ENOUGH for ratio in values_of(results, f"{name}_left_ratio")] for name in CONDITIONS)
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
-    overall = {name: _ratio_of_means(results, name) for name in CONDITIONS}
+    overall = dict[str, float]()
+    for name in CONDITIONS:
+        after, before = (np.mean(values_of(results, f"{name}_left_{phase}")) for phase in ("acquisition", "baseline"))
+        overall[name] = float(after / max(before, 1e-9))
     counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
     free = [ratio >= ENOUGH for leg in FREE for ratio in values_of(results, f"{leg}_ratio")]
     return (
@@ -219,32 +198,6 @@ def _answer(results: Sequence[Result]) -> str:
     )
 
 
-def _ratio_of_means(results: Sequence[Result], condition: str) -> float:
-    after, before = (np.mean(values_of(results, f"{condition}_left_{phase}")) for phase in ("acquisition", "baseline"))
-    return float(after / max(before, 1e-9))
-
-
-def _predictions(results: Sequence[Result]) -> str:
-    """Return each prediction, with how many seeds it holds in."""
-    tied, gain = "contingent_left_ratio", "contingent_left_gain"
-    asked = {
-        "more than the yoked partner": (tied, "yoked_left_ratio"),
-        "the tied leg more than the other": (tied, "contingent_right_ratio"),
-        "a gain of the tied leg above the partner's": (gain, "yoked_left_gain"),
-        "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
-        "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
-    }
-    return table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()}))
-
-
-def _bins(results: Sequence[Result], seeds: Sequence[int]) -> Iterator[tuple[str | float, ...]]:
-    for seed, result in zip(seeds, results, strict=True):
-        for condition in CONDITIONS:
-            for side, label in LEGS.items():
-                for slot, rate in enumerate(result.traces[f"{condition}_{side}"]):
-                    yield condition, label, seed, slot * BIN_S, rate
-
-
 def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     bins = len(results[0].traces["contingent_left"])
     minutes = (np.arange(bins, dtype=np.float64) + 0.5) * BIN_S / 60.0
@@ -252,16 +205,11 @@ def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
     for condition in CONDITIONS:
         curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in results]) for side, label in LEGS.items()}
         top = 1.1 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 5.0
-        bands = (Band(seen, [0.0] * 2, [top] * 2, "mobile seen", "usual"), *_bands(minutes, curves))
+        seen_bands = (band_of_seeds(minutes, curve, label) for label, curve in curves.items())
+        bands = (Band(seen, [0.0] * 2, [top] * 2, "mobile seen", "usual"), *seen_bands)
         lines = tuple(Line(minutes, curve.mean(axis=0), label) for label, curve in curves.items())
         yield Plot(MINUTES, RATE_PER_MIN, lines, bands, title=condition.capitalize(), y_range=(0.0, top))
     windows = (np.arange(len(results[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
     means = {limb: np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0) for limb in LIMBS}
     lines = tuple(Line(windows, gains, limb.replace("_", " ")) for limb, gains in means.items())
     yield Plot(MINUTES, GAIN, lines, title="Learnt, contingent")
-
-
-def _bands(minutes: FloatArray, curves: Mapping[str, FloatArray]) -> Iterator[Band]:
-    for label, curve in curves.items():
-        means = [interval(column.tolist()) for column in curve.T]
-        yield band_of(minutes, means, label)

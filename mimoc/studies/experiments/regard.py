@@ -26,11 +26,10 @@ from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.infant import InfantSpec
 from mimoc.studies.experiments.grating_card import WEIGHTS
 from mimoc.studies.experiments.legs.intervals import interval
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
+from mimoc.studies.experiments.notebook import Notebook, child, table_rows
 from mimoc.studies.experiments.sight import Points, Sight
 
 Luminance = npt.NDArray[Any]
@@ -39,31 +38,26 @@ MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6)
 QUICK_MONTHS: Sequence[float] = (0, 4)
 SECONDS, QUICK_SECONDS = 30.0, 5.0
 SEEDS, QUICK_SEEDS = range(5), range(1)
-MOBILE: Mapping[str, Any] = {
+MOBILE: Mapping[str, Any] = {  # The object of `configs/mobile.yaml`.
     "name": "mobile",
     "kind": "mobile",
     "above": "chest",
     "height_cm": 25,
     "tied_to": "right_foot",
 }
-"""The object of `configs/mobile.yaml`."""
 VISION: Mapping[str, Any] = {"contrast": "age", "colour": "age", "field": "age", "focus": "age", "fovy_deg": 100}
 """Eyes that mature, with pictures that reach beyond what is noticed until five months."""
 SIZE_PX = 160
 POLICIES: Mapping[str, str] = {"moves": "general_movements", "looks": "look_at:mobile+general_movements"}
-"""What an infant does, by condition."""
 LABELS: Mapping[str, str] = {"moves": "only moves", "looks": "looks at the mobile"}
 WATCHED_S, PICTURED_S = 0.2, 2.0
 """How often lines of sight are followed, and how often the infant's pictures are compared."""
 ON_DEG, ON_S = 8.0, 0.2
 """The gaze is on the mobile if both eyes have looked so near to its middle for so long: a choice, less than the 9 to 12
 degrees at which it is from straight ahead at the start."""
-NEAR_DEG = 15.0
-"""Hands so near to the line of sight are looked at by BabyBench's measure, at every age alike."""
+NEAR_DEG = 15.0  # Hands so near to the line of sight are looked at by BabyBench's measure, at every age alike.
 HEAD_CAMERA_MONTHS, HEAD_CAMERA_SHARE = (1.0, 3.0), 0.1
 """Share of the frames of head cameras that show hands (Jayaraman, Fausey & Smith 2015-16: from memory)."""
-ONSET_MONTHS = (2.0, 3.0)
-"""When hand regard begins (White, Castle & Held 1964: from memory)."""
 COLOURS = 96
 SHARE = Quantity("share", "Share of the time", "%")
 CONTRAST = Quantity("contrast", "Contrast of the mobile", "%")
@@ -127,13 +121,8 @@ def contrasts_of(
     """Return the contrast of a thing as it is drawn and as it is observed, from pictures with and without it.
 
     It is the root mean square of the difference in luminance that the thing makes, over the pixels in which it is
-    drawn, divided by the mean luminance that is drawn without it. Nothing drawn has none.
-
-    Args:
-        drawn: Luminance that is drawn with it, shape (eyes, height, width).
-        drawn_without: Likewise without it.
-        observed: Luminance that the infant observes.
-        observed_without: Likewise without it.
+    drawn, divided by the mean luminance that is drawn without it. Nothing drawn has none. All have the shape
+    (eyes, height, width).
     """
     change = drawn - drawn_without
     is_it = change != 0
@@ -146,27 +135,29 @@ def contrasts_of(
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of several ages lie under a mobile, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants of several ages lie under a mobile, and return the path of the report."""
     months, seeds = (QUICK_MONTHS, QUICK_SEEDS) if notebook.quick else (MONTHS, SEEDS)
     seconds = QUICK_SECONDS if notebook.quick else SECONDS
     cases = [Case(age_months, name, seconds) for name in POLICIES for age_months in months]
-    keys = [(case, seed) for case in cases for seed in seeds]
-    results = run_trials(notebook, [Trial(watch, case, seed) for case, seed in keys])
-    rows = [
-        (case.condition, case.age_months, seed, name, value)
-        for (case, seed), result in zip(keys, results, strict=True)
-        for name, value in result.values.items()
-    ]
-    notebook.write_table("regard.csv", "condition,age_months,seed,measure,value", rows)
-    by_case: dict[Case, list[Result]] = {case: [] for case in cases}
-    for (case, _), result in zip(keys, results, strict=True):
-        by_case[case].append(result)
+    by_case = run_cases(notebook, [(watch, case) for case in cases], seeds)
+    write_measures(notebook, "regard.csv", by_case, seeds, condition="condition", age_months="age_months")
     notebook.write_plots("regard.png", list(_plots(by_case, months)))
     notebook.write_picture("views.png", _views(months))
-    page = notebook.write_page(None, "scipy", **_numbers(by_case, months, len(seeds), seconds))
+    mobiles, hands = zip(*_rows(by_case), strict=True)
+    page = notebook.write_page(
+        None,
+        "scipy",
+        months=", ".join(f"{age_months:g}" for age_months in months),
+        seeds=len(seeds),
+        seconds=seconds,
+        size=SIZE_PX,
+        fovy=VISION["fovy_deg"],
+        on_deg=ON_DEG,
+        near_deg=NEAR_DEG,
+        mobiles=table_rows(mobiles),
+        hands=table_rows(hands),
+        answer=_answer(by_case),
+    )
     forget_trials(notebook)
     return page
 
@@ -179,17 +170,10 @@ def infants(law: None) -> Iterator[Bundle]:
 @cache
 def lying(age_months: float, size_px: int = 0) -> Bundle:
     """Return an average child on its back under the mobile; without pictures (0 pixels), it is simulated faster."""
-    size = {"width_px": size_px, "height_px": size_px}
-    spec = {
-        "mimoc": 1,
-        "name": "regard",
-        "age_months": age_months,
-        "senses": {"vision": {**VISION, **size}} if size_px else {},
-        "actuation": {"model": "muscle"},
-        "delays": {"processing": "age"},
-        "scene": {"kind": "crib", "pose": "supine", "objects": [dict(MOBILE)]},
-    }
-    return build(InfantSpec.model_validate(spec))
+    senses = {"vision": {**VISION, "width_px": size_px, "height_px": size_px}} if size_px else {}
+    actuation, delays = {"model": "muscle"}, {"processing": "age"}
+    scene = {"kind": "crib", "pose": "supine", "objects": [dict(MOBILE)]}
+    return build(child("regard", age_months, senses=senses, actuation=actuation, delays=delays, scene=scene))
 
 
 def watch(case: Case, seed: int) -> Result:
@@ -239,10 +223,7 @@ class Watcher:
             self._depths_m += hand.depths_m[hand.angles_deg <= self._noticed_deg].tolist()
 
     def values(self) -> dict[str, float]:
-        """Return the share of the time of everything, [%], when the gaze came to the mobile, and how far hands were.
-
-        What never was is left out.
-        """
+        """Return shares of the time, [%], when the gaze came to the mobile, and how far hands were."""
         values = {name: 100 * float(np.mean([item[name] for item in self._instants])) for name in self._instants[0]}
         is_on = np.array(self._angles_deg) <= ON_DEG
         values |= {"gaze_on": 100 * float(is_on.mean()), "gaze_deg": float(np.median(self._angles_deg))}
@@ -281,7 +262,6 @@ def _contrast_values(contrasts: Sequence[tuple[float, float]]) -> dict[str, floa
 
 
 def _views(months: Sequence[float]) -> bytes:
-    """Return what infants look up to at the start: as it is drawn, and as they observe it, of the left eye."""
     drawn, observed = list[Picture](), list[Picture]()
     for age_months in months:
         with closing(Pictures(lying(age_months, SIZE_PX))) as pictures:
@@ -292,7 +272,6 @@ def _views(months: Sequence[float]) -> bytes:
 
 
 def _of(results: Sequence[Result], name: str) -> list[float]:
-    """Return a measure of the trials in which there is one."""
     return [result.values[name] for result in results if name in result.values]
 
 
@@ -319,46 +298,19 @@ def _plots(by_case: Mapping[Case, Sequence[Result]], months: Sequence[float]) ->
     yield Plot(AGE, SHARE, lines, bands, (published,), title="A hand of its own is before the eyes")
 
 
-def _numbers(
-    by_case: Mapping[Case, Sequence[Result]], months: Sequence[float], seeds: int, seconds: float
-) -> dict[str, object]:
-    """Return what the page says."""
-    return {
-        "months": ", ".join(f"{age_months:g}" for age_months in months),
-        "seeds": seeds,
-        "seconds": seconds,
-        "size": SIZE_PX,
-        "fovy": VISION["fovy_deg"],
-        "on_deg": ON_DEG,
-        "near_deg": NEAR_DEG,
-        "mobiles": table_rows(_mobile_rows(by_case)),
-        "hands": table_rows(_hand_rows(by_case)),
-        "answer": _answer(by_case),
-    }
-
-
-def _mobile_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
+def _rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """Yield a row on the mobile and a row on hands of each case."""
+    names = ("mobile_noticed", "gaze_on", "gaze_deg", "hand_noticed", "hand_regarded", "hand_near")
     for case, results in by_case.items():
-        onsets_s = _of(results, "onset_s")
-        shares = [interval(_of(results, name)).text(0) for name in ("mobile_noticed", "gaze_on", "gaze_deg")]
-        contrasts = [_rounded(_of(results, f"contrast_{name}")) for name in ("drawn", "observed")]
-        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results)}" if onsets_s else "never"
-        yield [f"{case.age_months:g}", LABELS[case.condition], *shares, onset, *contrasts]
-
-
-def _rounded(values: Sequence[float]) -> str:
-    return f"{np.mean(values):.0f}" if values else "never"
-
-
-def _hand_rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[list[str]]:
-    for case, results in by_case.items():
-        names = ("hand_noticed", "hand_regarded", "hand_near")
+        what, onsets_s = (f"{case.age_months:g}", LABELS[case.condition]), _of(results, "onset_s")
         shares = [interval(_of(results, name)).text(0) for name in names]
-        yield [f"{case.age_months:g}", LABELS[case.condition], *shares, _rounded(_of(results, "hand_cm"))]
+        values = (_of(results, name) for name in ("contrast_drawn", "contrast_observed", "hand_cm"))
+        *contrasts, hand = (f"{np.mean(some):.0f}" if some else "never" for some in values)
+        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results)}" if onsets_s else "never"
+        yield (*what, *shares[:3], onset, *contrasts), (*what, *shares[3:], hand)
 
 
 def _answer(by_case: Mapping[Case, Sequence[Result]]) -> str:
-    """Return how the youngest and the oldest compare."""
     moving = [results for case, results in by_case.items() if case.condition == "moves"]
     looking = [results for case, results in by_case.items() if case.condition == "looks"]
     ages = [case.age_months for case in by_case if case.condition == "moves"]

@@ -16,15 +16,14 @@ from mimoc.render.soft_light import STILL
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.milestones import TRIALS, Conditions, Outcome, TrialInfant, compile_at
-from mimoc.studies.milestones.trial import Attempt, simulate
+from mimoc.studies.milestones.trial import simulate
 
 LYING_S, FALLING_S = 6.0, 3.0
 ON_THE_BACK_DEG, LEANING_BACK_DEG, UPRIGHT_DEG = -90.0, -45.0, 0.0
 BENT_DEG = {"{side}_hip1": -50.0, "{side}_hip2": -25.0, "{side}_knee": -70.0, "{side}_elbow": -60.0}
 """The posture in which an infant is laid down, its arms away from its body: that of mimoc's pose `supine`."""
 ARMS_DEG = 60.0
-ABOVE_M = 1.0
-"""Height at which a trunk is held, so that nothing touches the floor."""
+ABOVE_M = 1.0  # Height at which a trunk is held, so that nothing touches the floor.
 LEANS = (0.15, 0.25, 0.35, 0.45)
 """Where the weight of a sitting infant stands at first: 0 over the seat, 1 over the heels."""
 SITTING_KNEE_DEG = -20.0
@@ -36,14 +35,11 @@ class Rest:
 
     development: Development
     age_months: float
-    hip_deg: float
-    """Lying on its back; below 0 is bent, as for knee and elbow."""
+    hip_deg: float  # Lying on its back; below 0 is bent, as for knee and elbow.
     knee_deg: float
     elbow_deg: float
-    head_upright_deg: float
-    """Angle of the head with the trunk held upright; above 0, the chin has fallen to the chest."""
-    head_back_deg: float
-    """The same with the trunk leaning back by 45 degrees; below 0, the head has fallen back."""
+    head_upright_deg: float  # Angle of the head with the trunk held upright; above 0, the chin has fallen to the chest.
+    head_back_deg: float  # The same with the trunk leaning back by 45 degrees; below 0, the head has fallen back.
     slumps_deg: Sequence[float]
     """Tilt of the chest after sitting, for each of `LEANS`; above 0 forward, about 90 is lying."""
 
@@ -51,7 +47,8 @@ class Rest:
 def rest(development: Development, age_months: float) -> Rest:
     """Return where the average child of an age comes to rest."""
     infant = _average_child(development, age_months)
-    lying = _lying(infant)
+    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
+    lying = _after(infant, lying, LYING_S)
     return Rest(
         development,
         age_months,
@@ -69,13 +66,7 @@ def _average_child(development: Development, age_months: float) -> TrialInfant:
     return compile_at(spec, age_months, Conditions())
 
 
-def _lying(infant: TrialInfant) -> mujoco.MjData:
-    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
-    return _after(infant, lying, LYING_S)
-
-
 def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
-    """Return the angle of a head without support, the trunk held at some pitch."""
     held = infant.fixed(infant.trunk_dofs())
     return _angle_deg(held, _after(held, held.placed(pitch_deg, {}, ABOVE_M), FALLING_S), "head_tilt")
 
@@ -88,7 +79,6 @@ def _slump_deg(infant: TrialInfant, lean: float) -> float:
 
 
 def _after(infant: TrialInfant, data: mujoco.MjData, seconds: float) -> mujoco.MjData:
-    """Let time pass without commands."""
     for _ in range(round(seconds / infant.model.opt.timestep)):
         mujoco.mj_step(infant.model, data)
     return data
@@ -103,26 +93,16 @@ PICTURE_PX = (150, 150)
 
 
 def try_to_sit(development: Development, age_months: float) -> Picture:
-    """Let the average child of an age try to sit, and show how its longest attempt ended: its age, and how long it sat.
-
-    Raises:
-        RenderingError: If OpenGL is not available.
-    """
+    """Let the average child of an age try to sit, and show how its longest attempt ended."""
     infant = _average_child(development, age_months)
     best, outcome = mujoco.MjData(infant.model), Outcome(False, -1.0)
     for attempt in TRIALS["sit"].attempts(infant):
-        data, ended = _end(attempt)
+        states = deque[mujoco.MjData](maxlen=1)
+        ended = simulate(attempt, Conditions(), states.append)
         if ended.seconds > outcome.seconds:
-            best, outcome = data, ended
+            best, outcome = states[0], ended
         if outcome.success:
             break
     with closing(BodyCamera(infant.model, [ROOT], *PICTURE_PX, exposure=STILL)) as camera:
         held = "sits" if outcome.success else f"falls after {outcome.seconds:.1f} s"
         return tile_pictures([[camera.render(best)]], columns=[f"{age_months:g} months: {held}"])
-
-
-def _end(attempt: Attempt) -> tuple[mujoco.MjData, Outcome]:
-    """Return the last state of an attempt, and its outcome."""
-    states = deque[mujoco.MjData](maxlen=1)
-    outcome = simulate(attempt, Conditions(), states.append)
-    return states[0], outcome

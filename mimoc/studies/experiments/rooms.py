@@ -8,14 +8,12 @@ from statistics import mean, median
 from time import perf_counter
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
 from mimoc.compiler.looks.pictures import encode_palette_png
-from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.scenes.footprint import reachable_floor
 from mimoc.compiler.toys.placing import ReachableFloor
@@ -26,8 +24,7 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.render.portrait import overview
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.figures import Measured, yes
-from mimoc.studies.experiments.notebook import Cell, Notebook
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, yes
 
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 
@@ -38,8 +35,7 @@ class ToyPlace:
 
     name: str
     category: str
-    size_m: float
-    """Length of its longest side."""
+    size_m: float  # Length of its longest side.
     mass_kg: float
     ahead_m: float
     left_m: float
@@ -56,16 +52,12 @@ class Inventory:
     """The contents of a room."""
 
     seed: int
-    size_m: tuple[float, float, float]
-    """Depth, width and height."""
-    textures: tuple[str, ...]
-    """Textures of floor, ceiling and walls."""
+    size_m: tuple[float, float, float]  # Depth, width and height.
+    textures: tuple[str, ...]  # Textures of floor, ceiling and walls.
     pictures: int
     lamps: int
-    place_m: tuple[float, float]
-    """Position of the infant's hip, from the centre of the room."""
-    heading_rad: float
-    """Direction that the infant faces, from the x axis to the left."""
+    place_m: tuple[float, float]  # Position of the infant's hip, from the centre of the room.
+    heading_rad: float  # Direction that the infant faces, from the x axis to the left.
     reach: ReachableFloor
     toys: tuple[ToyPlace, ...]
 
@@ -86,17 +78,14 @@ class Inventory:
 
 
 def take_inventory(builder: Builder, seed: int) -> Inventory:
-    """Return the contents of a spec's room for a seed; the infant must have arms.
-
-    Raises:
-        SpecError: If there is not enough space for the toys.
-    """
+    """Return the contents of a spec's room for a seed; the infant must have arms."""
     furnished = builder.furnished(seed)
     room = furnished.scene
     start = next(keyframe for keyframe in room.keyframes if keyframe.name == builder.spec.scene.pose)
     reach = reachable_floor(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
     assert reach is not None
-    heading_rad = _heading_rad(start)
+    w, x, y, z = start.qpos[3:7]
+    heading_rad = math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
     furniture = room.world.furniture
     halves_m = {geom.name: geom.size_m for geom in furniture.geoms}
     names = [geom.name for geom in furniture.geoms]
@@ -112,12 +101,6 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
         reach=reach,
         toys=tuple(_relative_place(toy, reach, heading_rad) for toy in furnished.toys),
     )
-
-
-def _heading_rad(start: Keyframe) -> float:
-    """Return the direction of the hip's x axis in the horizontal plane."""
-    w, x, y, z = start.qpos[3:7]
-    return math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
 
 
 def _relative_place(toy: FreeObject, reach: ReachableFloor, heading_rad: float) -> ToyPlace:
@@ -136,12 +119,10 @@ def _relative_place(toy: FreeObject, reach: ReachableFloor, heading_rad: float) 
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
 PICTURE_PX = (176, 132)
-COLOURS = 128
-"""Number of colours of the figure, which makes its file a third as large."""
-FARTHEST = 2.5
-"""Largest distance in the figure, in multiples of the reach."""
+COLOURS = 128  # Number of colours of the figure, which makes its file a third as large.
+FARTHEST = 2.5  # Largest distance in the figure, in multiples of the reach.
 
-SPEC = {
+SPEC = {  # The same as `configs/playroom.yaml`, without its senses.
     "mimoc": 1,
     "name": "playroom",
     "age_months": 10,
@@ -152,7 +133,6 @@ SPEC = {
         "toys": {"source": "builtin", "count": [3, 6], "size_cm": [4, 12]},
     },
 }
-"""The same as `configs/playroom.yaml`, without its senses."""
 
 ROOM_HEADING = (
     "seed,depth_m,width_m,height_m,floor,pictures,lamps,infant_x_m,infant_y_m,heading_deg,nearest_wall_m,"
@@ -201,7 +181,6 @@ def _builder(law: Development) -> Builder:
 
 
 def _measured(rooms: Sequence[Inventory], again: Inventory) -> Measured:
-    """Return what was measured of the paper's figures, by their names; the first room was built again."""
     near = sum(room.within_reach for room in rooms) / sum(len(room.toys) for room in rooms)
     floor = mean(math.pi * room.reach.radius_m**2 / (room.size_m[0] * room.size_m[1]) for room in rooms)
     return {
@@ -231,36 +210,25 @@ def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
     around = np.array([(-toy.left_m, toy.ahead_m) for toy in toys]) / reach.radius_m
     distances = np.sort([toy.distance_m for toy in toys]) / reach.radius_m
     far = np.linspace(0, FARTHEST, 400)
+    wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
+    shares = np.cumsum(wide_m * reach.density(wide_m))  # Of toys on an infinite floor, within each of these.
+    x, y = Quantity("right", "To the right", "reaches"), Quantity("ahead", "Ahead", "reaches")
+    dots = (Dots(around[:, 0], around[:, 1], "toys"),)
+    distance, nearer = (
+        Quantity("distance", "Distance", "reaches"),
+        Quantity("nearer", "Fraction of toys within distance"),
+    )
+    lines = (
+        Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
+        Line(far, np.interp(far * reach.radius_m, wide_m, shares / shares[-1]), "law, on an empty floor"),
+    )
     return [
-        Plot(
-            x=Quantity("right", "To the right", "reaches"),
-            y=Quantity("ahead", "Ahead", "reaches"),
-            dots=(Dots(around[:, 0], around[:, 1], "toys"),),
-            title="Positions of toys",
-            ring=1.0,
-            equal=True,
-        ),
-        Plot(
-            x=Quantity("distance", "Distance", "reaches"),
-            y=Quantity("nearer", "Fraction of toys within distance"),
-            lines=(
-                Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
-                Line(far, _share_nearer(reach, far * reach.radius_m), "law, on an empty floor"),
-            ),
-            title="Distances",
-        ),
+        Plot(x, y, dots=dots, title="Positions of toys", ring=1.0, equal=True),
+        Plot(distance, nearer, lines, title="Distances"),
     ]
 
 
-def _share_nearer(reach: ReachableFloor, distances_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return the fraction of toys on an infinite floor that lies within each of some evenly spaced distances."""
-    wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
-    nearer = np.cumsum(wide_m * reach.density(wide_m))
-    return np.interp(distances_m, wide_m, nearer / nearer[-1])
-
-
 def _numbers(rooms: Sequence[Inventory]) -> dict[str, object]:
-    """Return the numbers of the page."""
     toys = [toy for room in rooms for toy in room.toys]
     depths_m, widths_m, heights_m = zip(*(room.size_m for room in rooms), strict=True)
     counts, masses_g = [len(room.toys) for room in rooms], [1000 * toy.mass_kg for toy in toys]

@@ -15,8 +15,7 @@ from mimoc.policies.control.reaching import ReachController
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray, Observation
 
-MIN_STEPS = 8
-"""Minimum number of positions for a measure of smoothness; jerk is not meaningful for fewer."""
+MIN_STEPS = 8  # Minimum number of positions for a measure of smoothness; jerk is not meaningful for fewer.
 MAX_HZ = 10.0
 MIN_MAGNITUDE = 0.05
 PADDING = 4
@@ -32,10 +31,8 @@ infants, whose hands move at .2 to .4 m/s, would not show."""
 class Movement:
     """A movement of a hand."""
 
-    path_m: FloatArray
-    """Positions of the hand at regular intervals, shape (n, 3), world frame."""
-    step_s: float
-    """Interval between positions, such as a control step."""
+    path_m: FloatArray  # Positions of the hand at regular intervals, shape (n, 3), world frame.
+    step_s: float  # Interval between positions, such as a control step.
 
     @property
     def duration_s(self) -> float:
@@ -104,8 +101,7 @@ GAINS = "low"
 They let the hand move at half a metre per second at most, which is the choice of a speed."""
 TOUCHED_M = 0.025
 """Distance of the palm's centre from the target at which a reach has arrived: the radius of a small ball."""
-REACH_SHARE = 0.8
-"""Distance of a target from the shoulder, by the length of the arm."""
+REACH_SHARE = 0.8  # Distance of a target from the shoulder, by the length of the arm.
 INWARDS_DEG, UPWARDS_DEG = (-20.0, 40.0), (-20.0, 20.0)
 """Directions of the targets from the shoulder, by the chest: straight ahead is 0."""
 AT_ONCE_S = 1e-6
@@ -117,10 +113,8 @@ class Reach(Movement):
     """A reach from its onset until it arrives or is given up."""
 
     arrived: bool
-    distance_m: float
-    """From the hand to the target at the beginning."""
-    target_m: FloatArray
-    """The target, shape (3,), world frame."""
+    distance_m: float  # From the hand to the target at the beginning.
+    target_m: FloatArray  # The target, shape (3,), world frame.
 
     @property
     def away_m(self) -> FloatArray:
@@ -161,10 +155,7 @@ class SensedController:
 
 
 def place_in_front(env: InfantEnv, generator: np.random.Generator, share: float = REACH_SHARE) -> FloatArray:
-    """Return a random place in front of the right shoulder, as toys are shown to infants, shape (3,), [m].
-
-    It is a *share* of the arm's length away: the same places, by the size of the arm, at all ages.
-    """
+    """Return a random place in front of the right shoulder, a *share* of the arm's length away, shape (3,), [m]."""
     shoulder_m, elbow_m, palm_m = (
         env.data.body("right_upper_arm").xpos,
         env.data.body("right_lower_arm").xpos,
@@ -188,15 +179,9 @@ def reach_once(
     gains: str = GAINS,
     share: float = REACH_SHARE,
 ) -> Reach:
-    """Let an infant reach once for a random target, and return its movement.
+    """Let an infant, which is reset, reach once for a random target, and return its movement.
 
-    Args:
-        env: The infant, which is reset.
-        seed: Seed of its noise.
-        generator: Source of the target.
-        most_s: Simulated time after which the reach is given up.
-        gains: Key of `GAIN_SETS`.
-        share: Distance of the target from the shoulder, by the length of the arm.
+    It is given up after *most_s* of simulated time; the target is a *share* of the arm's length from the shoulder.
     """
     observation, _ = env.reset(seed=seed)
     control, step_s = SensedController(env, gains), ms_to_s(env.manifest.step_ms)

@@ -15,30 +15,24 @@ from mimoc.runtime.sense import FloatArray, IntArray
 
 BoolArray = npt.NDArray[np.bool_]
 
-BEYOND_M = 1e-6
-"""How far behind a surface of head or eyes a line of sight goes on."""
+BEYOND_M = 1e-6  # How far behind a surface of head or eyes a line of sight goes on.
 
 
 @dataclass(frozen=True, slots=True)
 class Thing:
     """Something that can be seen."""
 
-    is_part: BoolArray
-    """Which bodies of the model are parts of it, shape (nbody,)."""
-    geoms: IntArray
-    """Its geoms whose middles are looked for, shape (n,)."""
+    is_part: BoolArray  # Which bodies of the model are parts of it, shape (nbody,).
+    geoms: IntArray  # Its geoms whose middles are looked for, shape (n,).
 
 
 @dataclass(frozen=True, slots=True)
 class Points:
     """The middles of the geoms of a thing that nothing hides from an eye, shape (p,), of both eyes together."""
 
-    angles_deg: FloatArray
-    """From the line of sight of the eye."""
-    depths_m: FloatArray
-    """How far away they are along it."""
-    is_sharp: BoolArray
-    """Whether they are in focus."""
+    angles_deg: FloatArray  # From the line of sight of the eye.
+    depths_m: FloatArray  # How far away they are along it.
+    is_sharp: BoolArray  # Whether they are in focus.
 
     def within(self, angle_deg: float, *, sharp: bool = False) -> bool:
         """Return whether one of them is so near to a line of sight, and perhaps in focus as well."""

@@ -1,48 +1,195 @@
-"""Strength from birth to two years: lifting the head and a leg (López et al. 2025, figure 2 d-e)."""
+"""Strength from birth to two years: of all motors, and lifting the head and a leg (López et al. 2025, figure 2 d-e)."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args
 
+import mujoco
 import numpy as np
 
 from mimoc.base.quantities import Quantity
-from mimoc.base.units import ms_to_s
+from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.body.grow import grow_body
+from mimoc.body.poses import Pose, resting_state
 from mimoc.bundle.io import Bundle
+from mimoc.compiler import building
+from mimoc.compiler.building import Builder
+from mimoc.compiler.measuring import compile_infant
 from mimoc.render.plots.plot import Line, Plot
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.effort import (
-    BEHAVIOURS,
-    SETTLING_STEPS,
-    STEP_MS,
-    STEPS,
-    Behaviour,
-    Effort,
-    Model,
-    efforts,
-    lying,
+from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, table_rows, yes
+
+Model = Literal["torque", "muscle"]
+
+STEP_MS = 5.0  # Duration of both control and physics steps, as in the paper.
+STEPS = 500
+SETTLING_STEPS = 400
+FLAT = Pose(pitch_deg=-90, angles_deg={}, relaxed=False)  # Lying on the back, all joints at zero.
+
+
+@dataclass(frozen=True, slots=True)
+class Behaviour:
+    """A movement of one joint."""
+
+    name: str
+    actuator: str  # Name of the actuator in MIMo.
+    joint: str
+    direction: int  # 1 towards positive joint angles, -1 towards negative ones.
+
+
+BEHAVIOURS = (
+    Behaviour("head lift", "act:head_tilt", "robot:head_tilt", 1),
+    Behaviour("leg lift", "act:right_hip_flex", "robot:right_hip1", -1),
 )
-from mimoc.studies.experiments.figures import Measured, yes
-from mimoc.studies.experiments.notebook import Cell, Notebook, table_rows
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """The trajectory of a joint; angles are measured from the joint's zero, positive in the behaviour's direction."""
+
+    behaviour: Behaviour
+    age_months: float
+    strength_age_months: float
+    length_cm: float  # Length of the infant from crown to sole.
+    angle_deg: FloatArray  # Angles at the start and after each control step, shape (n + 1,).
+    end_deg: float  # Limit of the joint range, which is soft.
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Times of the angles, shape (n + 1,)."""
+        return np.arange(len(self.angle_deg), dtype=np.float64) * ms_to_s(STEP_MS)
+
+    @property
+    def peak_deg(self) -> float:
+        """The largest angle; a fast joint exceeds its soft limit slightly."""
+        return float(self.angle_deg.max())
+
+    @property
+    def peak_in_range_deg(self) -> float:
+        """The largest angle, clipped to the joint range."""
+        return min(self.peak_deg, self.end_deg)
+
+    def time_to_s(self, angle_deg: float) -> float | None:
+        """Return the time at which an angle was first reached, interpolated between steps; None if it never was."""
+        reached = np.flatnonzero(self.angle_deg >= angle_deg)
+        if not reached.size:
+            return None
+        around = slice(max(reached[0] - 1, 0), reached[0] + 1)
+        return float(np.interp(angle_deg, self.angle_deg[around], self.time_s[around]))
+
+
+def efforts(
+    development: Development, age_months: float, model: Model = "torque", strength_age_months: float | None = None
+) -> Iterator[Effort]:
+    """Yield the trajectory of each behaviour of the average child, all from the same resting state."""
+    builder = lying(development, age_months, model, strength_age_months)
+    with closing(InfantEnv(builder(0, check=False))) as env:
+        env.reset()
+        env.data.qpos[:] = resting_state(builder.tree, FLAT)
+        nothing = np.zeros(len(env.manifest.actuation.actuators), np.float32)
+        for _ in range(SETTLING_STEPS):
+            env.step(nothing)
+        rest = env.get_state()
+        for behaviour in BEHAVIOURS:
+            env.set_state(rest)
+            yield _effort(env, behaviour, age_months if strength_age_months is None else strength_age_months)
+
+
+def lying(
+    development: Development, age_months: float, model: Model = "torque", strength_age_months: float | None = None
+) -> Builder:
+    """Return the builder of the infant; for its arguments see `efforts`."""
+    actuation = {"model": model, "strength_age_months": strength_age_months}
+    control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
+    return building.builder(child("lying", age_months, development=development, actuation=actuation, control=control))
+
+
+def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) -> Effort:
+    joint = env.model.joint(behaviour.joint)
+    muscle = f"{behaviour.actuator}_{'positive' if behaviour.direction > 0 else 'negative'}"
+    wanted = {behaviour.actuator: behaviour.direction, muscle: 1}
+    actuators = env.manifest.actuation.actuators
+    action = np.array([wanted.get(actuator.name, 0) for actuator in actuators], np.float32)
+    angles_rad = [float(env.data.qpos[joint.qposadr[0]])]
+    for _ in range(STEPS):
+        env.step(action)
+        angles_rad.append(float(env.data.qpos[joint.qposadr[0]]))
+    return Effort(
+        behaviour=behaviour,
+        age_months=env.manifest.child.age_months,
+        strength_age_months=strength_age_months,
+        length_cm=env.manifest.child.length_cm,
+        angle_deg=behaviour.direction * np.degrees(angles_rad),
+        end_deg=float(np.degrees((behaviour.direction * joint.range).max())),
+    )
+
+
+GROUPS = {  # The motor and the direction that stand for each group of muscles.
+    "neck, back": ("act:head_tilt", -1),
+    "neck, front": ("act:head_tilt", 1),
+    "trunk": ("act:hip_bend", 1),
+    "arm": ("act:right_shoulder_abduction", 1),
+    "hand": ("act:right_wrist_flexion", 1),
+    "hip": ("act:right_hip_flex", -1),
+    "knee": ("act:right_knee", 1),
+    "ankle": ("act:right_foot_flexion", -1),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Strength:
+    """What one motor can do in one direction."""
+
+    development: Development
+    age_months: float
+    actuator: str
+    direction: int  # 1 towards positive joint angles, -1 towards negative ones.
+    torque_nm: float  # Largest torque.
+    moment_nm: float  # Gravity moment of all that hangs on the joint, stretched out level.
+
+    @property
+    def ratio(self) -> float:
+        """Torque by gravity moment: below 1, the infant cannot lift it."""
+        return self.torque_nm / self.moment_nm
+
+
+def strengths(development: Development, age_months: float) -> Iterator[Strength]:
+    """Yield the strength of all motors of the average child, but for those of the eyes, in both directions."""
+    spec = InfantSpec(mimoc=1, name="standing", age_months=age_months, development=development)
+    model = compile_infant(spec)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for actuator in range(model.nu):
+        name = model.actuator(actuator).name
+        joint = int(model.actuator_trnid[actuator, 0])
+        if "eye" in name:
+            continue
+        for direction, limit in zip((-1, 1), model.actuator_forcerange[actuator], strict=True):
+            torque_nm = abs(model.actuator_gear[actuator, 0] * limit)
+            yield Strength(development, age_months, name, direction, float(torque_nm), _moment_nm(model, data, joint))
+
+
+def _moment_nm(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> float:
+    """Return the weight of what hangs on a hinge, times the distance of its centre of mass from the hinge."""
+    body = int(model.jnt_bodyid[joint])
+    arm_m = np.linalg.norm(data.subtree_com[body] - data.xanchor[joint])
+    return float(GRAVITY_M_S2 * model.body_subtreemass[body] * arm_m)
+
 
 TARGET_DEG = 60.0
-FULL_SIZE_MONTHS = 18
-"""The age at which a part's relative size is 1."""
-LAW_MONTHS = 3
-"""Age from which on the time is compared; a newborn does not reach 60 degrees."""
+FULL_SIZE_MONTHS = 18  # The age at which a part's relative size is 1.
+LAW_MONTHS = 3  # Age from which on the time is compared; a newborn does not reach 60 degrees.
 
 
 def is_faster_with_age(efforts: Iterable[Effort], within_s: float = 0.0) -> bool:
-    """Return whether the time to 60 degrees decreases from each age to the next, from three months on.
-
-    Args:
-        efforts: Measurements, youngest first.
-        within_s: Increases below this are ignored.
-    """
+    """Return whether the time to 60 degrees falls with age from 3 months on, but for rises below *within_s*."""
     times_s = [effort.time_to_s(TARGET_DEG) for effort in efforts if effort.age_months >= LAW_MONTHS]
     return all(a is not None and b is not None and a + within_s > b for a, b in pairwise(times_s))
 
@@ -53,7 +200,6 @@ def gets_as_far_with_age(efforts: Iterable[Effort]) -> bool:
 
 
 def _laws(torque: Sequence[Effort]) -> str:
-    """Return as sentences which laws hold for each behaviour and which do not."""
     laws = []
     for behaviour in BEHAVIOURS:
         name, every = behaviour.name.capitalize(), _of(torque, behaviour)
@@ -74,19 +220,10 @@ def _of(efforts: Iterable[Effort], behaviour: Behaviour) -> list[Effort]:
 
 
 def _shown(efforts: Iterable[Effort]) -> list[Effort]:
-    """Return those at the paper's ages."""
     return [effort for effort in efforts if effort.age_months in PAPER_MONTHS]
 
 
-def _ages_rows(shown: Sequence[Effort]) -> str:
-    return table_rows(
-        (f"{head.age_months:g}", _time(head), f"{head.peak_deg:.1f}", _time(leg), f"{leg.peak_deg:.1f}")
-        for head, leg in zip(*(_of(shown, behaviour) for behaviour in BEHAVIOURS), strict=True)
-    )
-
-
 def _muscle_rows(muscle: Sequence[Effort]) -> str:
-    """Return the time to 60 degrees with the strength of the age, and with that of 18 months."""
     times = {(effort.age_months, effort.strength_age_months, effort.behaviour): _time(effort) for effort in muscle}
     rows = {
         age: [times[age, strength, behaviour] for strength in (age, FULL_SIZE_MONTHS) for behaviour in BEHAVIOURS]
@@ -122,7 +259,12 @@ def run(notebook: Notebook) -> Path:
     shown = _shown(torque)
     notebook.write_table("strength.csv", HEADING, map(_summary, torque))
     notebook.write_table("muscles.csv", HEADING, map(_summary, muscle))
-    notebook.write_table("curves.csv", "behaviour,age_months,time_s,angle_deg", _samples(shown))
+    samples = (
+        (effort.behaviour.name, effort.age_months, time_s, angle_deg)
+        for effort in shown
+        for time_s, angle_deg in zip(effort.time_s, effort.angle_deg, strict=True)
+    )
+    notebook.write_table("curves.csv", "behaviour,age_months,time_s,angle_deg", samples)
     notebook.write_plots("strength.png", [_plot(shown, item) for item in BEHAVIOURS])
     ages = (f"{item.name} {size:g}: {effort.age_months:.1f}" for (item, size), (effort,) in sized.items())
     return notebook.write_page(
@@ -134,7 +276,10 @@ def run(notebook: Notebook) -> Path:
         leg_end=torque[1].end_deg,
         overshoot=max(effort.peak_deg - effort.end_deg for effort in torque),
         laws=_laws(torque),
-        ages=_ages_rows(shown),
+        ages=table_rows(
+            (f"{head.age_months:g}", _time(head), f"{head.peak_deg:.1f}", _time(leg), f"{leg.peak_deg:.1f}")
+            for head, leg in zip(*(_of(shown, behaviour) for behaviour in BEHAVIOURS), strict=True)
+        ),
         target_deg=TARGET_DEG,
         full_size=FULL_SIZE_MONTHS,
         size_ages=", ".join(ages),
@@ -150,7 +295,6 @@ def infants(law: Development) -> Iterator[Bundle]:
 
 
 def _measured(shown: Sequence[Effort], sized: Mapping[tuple[Behaviour, float], Sequence[Effort]]) -> Measured:
-    """Return what was measured of the paper's figures, by their names."""
     times: dict[str, float | str | None] = {
         f"{item.name} at relative size {size:g}, time to {TARGET_DEG:g} degrees [s]": (
             sized[item, size][0].time_to_s(TARGET_DEG) if (item, size) in sized else "none so small"
@@ -182,12 +326,6 @@ def _summary(effort: Effort) -> tuple[Cell, ...]:
     infant = (effort.age_months, effort.strength_age_months, effort.length_cm)
     angles_deg = (effort.angle_deg[0], effort.peak_deg, effort.peak_in_range_deg)
     return (effort.behaviour.name, *infant, *angles_deg, effort.time_to_s(TARGET_DEG))
-
-
-def _samples(results: Iterable[Effort]) -> Iterator[tuple[Cell, ...]]:
-    for effort in results:
-        for time_s, angle_deg in zip(effort.time_s, effort.angle_deg, strict=True):
-            yield effort.behaviour.name, effort.age_months, time_s, angle_deg
 
 
 def _plot(results: Iterable[Effort], behaviour: Behaviour) -> Plot:

@@ -1,9 +1,10 @@
 """Weights on legs: a hundred grams on one leg that kicks, and the gain of four weeks, or water, on legs that step."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,16 +13,14 @@ from mimoc.bundle.io import Bundle
 from mimoc.motion.points import SIDES
 from mimoc.movement.filming import RATE_HZ
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.kicks import kicks_of
-from mimoc.movement.measures import leg_lengths
+from mimoc.movement.measures import kicks_of, leg_lengths
 from mimoc.movement.trunk_frame import trunk_paths
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.studies.experiments.legs.changes import Values, change_text, direction, relative_changes
 from mimoc.studies.experiments.legs.driving import LIMBS, Mover
 from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, leg_kg, open_infant
-from mimoc.studies.experiments.legs.intervals import band_of, interval
+from mimoc.studies.experiments.legs.intervals import Values, band_of, change_text, direction, interval, relative_changes
 from mimoc.studies.experiments.legs.steps import StepCase, stepping
-from mimoc.studies.experiments.legs.trials import Result, Trial, forget_trials, run_trials
+from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
 from mimoc.studies.experiments.notebook import Notebook, table_rows
 
 WEEKS: Sequence[float] = (6, 12, 18, 26)
@@ -36,10 +35,8 @@ GAIN_WEEKS = 4
 SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 15.0
 STEP_SECONDS = 30.0
-LEAST = 0.1
-"""Least change of the range of the hip that mass alone is asked for at six weeks."""
-STEP_LEAST = 0.2
-"""Least change of steps that is asked for each way."""
+LEAST = 0.1  # Least change of the range of the hip that mass alone is asked for at six weeks.
+STEP_LEAST = 0.2  # Least change of steps that is asked for each way.
 PUBLISHED: Mapping[float, tuple[str, str]] = {
     6: ("less", "more"),
     12: ("more", "more"),
@@ -64,8 +61,7 @@ class Case:
     weeks: float
     seconds: float
     weight_kg: float = 0.0
-    gain: float = 1.0
-    """Factor on the drive of both legs."""
+    gain: float = 1.0  # Factor on the drive of both legs.
 
 
 Kicks = Mapping[Case, Values]
@@ -73,23 +69,24 @@ Steps = Mapping[StepCase, Values]
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants kick and step with weights, and return the path of the report.
-
-    An interrupted run goes on with the trials that it had not finished, if its folder is the same.
-    """
+    """Let infants kick and step with weights, and return the path of the report."""
     quick = notebook.quick
     weeks, step_weeks = (QUICK_WEEKS, QUICK_STEP_WEEKS) if quick else (WEEKS, STEP_WEEKS)
     seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
     step_seconds = QUICK_SECONDS if quick else STEP_SECONDS
-    cases = [case for week in weeks for case in _cases(week, seconds)]
+    cases = list[Case]()
+    for week in weeks:
+        plain = Case(week, seconds)
+        cases += [plain, *(replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))]
     step_cases = [case for week in step_weeks for case in step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()]
-    trials = [Trial(kicking, case, seed) for case in cases for seed in seeds]
-    trials += [Trial(stepping, case, seed) for case in step_cases for seed in seeds]
-    values = [result.values for result in run_trials(notebook, trials)]
-    groups = [values[start : start + len(seeds)] for start in range(0, len(values), len(seeds))]
-    kicks: Kicks = dict(zip(cases, groups[: len(cases)], strict=True))
-    steps: Steps = dict(zip(step_cases, groups[len(cases) :], strict=True))
-    _write_tables(notebook, kicks, steps, seeds)
+    tried: list[tuple[Callable[[Any, int], Result], Any]] = [(kicking, case) for case in cases]
+    results = run_cases(notebook, [*tried, *((stepping, case) for case in step_cases)], seeds)
+    kicked, stepped = ({case: results[case] for case in some} for some in (cases, step_cases))
+    write_measures(notebook, "weights.csv", kicked, seeds, weeks="weeks", weight_kg="weight_kg", drive="gain")
+    names = ("age_months", "weight_kg", "water")
+    write_measures(notebook, "steps.csv", stepped, seeds, **{name: name for name in names})
+    kicks: Kicks = {case: [result.values for result in results[case]] for case in cases}
+    steps: Steps = {case: [result.values for result in results[case]] for case in step_cases}
     notebook.write_plots("weights.png", list(_plots(kicks)))
     page = notebook.write_page(
         None,
@@ -119,11 +116,7 @@ def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
     """Return how an infant of an age steps: plain, with what a leg gains in four weeks at each ankle, and in water."""
     gain_kg = leg_kg(age_months + GAIN_WEEKS * MONTHS_PER_WEEK) - leg_kg(age_months)
     plain = StepCase(age_months, seconds)
-    return {
-        "plain": plain,
-        "weights": replace(plain, weight_kg=round(gain_kg, 3)),
-        "water": replace(plain, water=True),
-    }
+    return {"plain": plain, "weights": replace(plain, weight_kg=round(gain_kg, 3)), "water": replace(plain, water=True)}
 
 
 def kicking(case: Case, seed: int) -> Result:
@@ -144,14 +137,7 @@ def kicking(case: Case, seed: int) -> Result:
     return Result(values=values)
 
 
-def _cases(week: float, seconds: float) -> Iterator[Case]:
-    plain = Case(week, seconds)
-    yield plain
-    yield from (replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))
-
-
 def _gains_at(week: float) -> Sequence[float]:
-    """Return the factors that are tried at an age."""
     return GAINS if week <= CHANGED_WEEKS else GAINS[:1]
 
 
@@ -161,7 +147,6 @@ def _changes(kicks: Kicks, week: float, seconds: float, gain: float, side: str, 
 
 
 def _table(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    """Return a row for each age and measure: what the weight alone changes."""
     rows = []
     for week in weeks:
         for measure in MEASURES:
@@ -172,7 +157,6 @@ def _table(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
 
 
 def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    """Return what drive the published effects would ask for, by age."""
     rows = []
     for week in weeks:
         for gain in _gains_at(week):
@@ -184,7 +168,6 @@ def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
 
 
 def _answer(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    """Return whether mass alone lowers the range of the hip by a tenth, at the first of the ages."""
     change = interval(_changes(kicks, weeks[0], seconds, 1.0, "left", "hip_deg"))
     holds = "does" if change.mean <= -LEAST else "does **not**"
     return (
@@ -210,29 +193,6 @@ def _step_table(steps: Steps, weeks: Sequence[float], seconds: float) -> str:
 
 def _verdict(shown: str, asked: str) -> str:
     return "unclear" if shown == "unclear" else "yes" if shown == asked else "no"
-
-
-def _write_tables(notebook: Notebook, kicks: Kicks, steps: Steps, seeds: Sequence[int]) -> None:
-    notebook.write_table(
-        "weights.csv",
-        "weeks,weight_kg,drive,seed,measure,value",
-        (
-            (case.weeks, case.weight_kg, case.gain, seed, name, value)
-            for case, group in kicks.items()
-            for seed, values in zip(seeds, group, strict=True)
-            for name, value in values.items()
-        ),
-    )
-    notebook.write_table(
-        "steps.csv",
-        "age_months,weight_kg,water,seed,measure,value",
-        (
-            (case.age_months, case.weight_kg, float(case.water), seed, name, value)
-            for case, group in steps.items()
-            for seed, values in zip(seeds, group, strict=True)
-            for name, value in values.items()
-        ),
-    )
 
 
 def _plots(kicks: Kicks) -> Iterator[Plot]:

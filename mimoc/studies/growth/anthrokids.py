@@ -16,8 +16,7 @@ from mimoc.fits.growth import group_age
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 
-TOLERANCE = 0.04
-"""Largest deviation from the mean of a group, relative to it."""
+TOLERANCE = 0.04  # Largest deviation from the mean of a group, relative to it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,15 +24,11 @@ class MeasurementRow:
     """One measurement of the infant at one age, and the survey's."""
 
     age_months: float
-    measurement: str
-    """AnthroKids' name."""
+    measurement: str  # AnthroKids' name.
     value_cm: float
-    mean_cm: float
-    """Of the age group; a finger's, of which only curves are known, by MIMo v2's curve."""
-    origin: str
-    """Where the mean comes from: `anthrokids.csv:12`."""
-    requested: float = 1.0
-    """What the spec asks for, relative to the average child of this age."""
+    mean_cm: float  # Of the age group; a finger's, of which only curves are known, by MIMo v2's curve.
+    origin: str  # Where the mean comes from: `anthrokids.csv:12`.
+    requested: float = 1.0  # What the spec asks for, relative to the average child of this age.
     is_judged: bool = True
     """Whether it can be outside: what other measurements and factors of parts change is only reported."""
 
@@ -61,15 +56,13 @@ COLUMNS = (
     *("age_months", "measurement", "value_cm", "mean_cm", "requested", "deviation"),
     *("is_judged", "outside", "origin"),
 )
-"""What plain data says of each row."""
 
 
 @dataclass(frozen=True, slots=True)
 class MeasurementReport:
     """Comparison of an infant with AnthroKids at the middle of each age group."""
 
-    rows: tuple[MeasurementRow, ...]
-    """Rows by age, youngest first."""
+    rows: tuple[MeasurementRow, ...]  # Rows by age, youngest first.
 
     @property
     def within_tolerance(self) -> bool:
@@ -100,11 +93,7 @@ class MeasurementReport:
 
 
 def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress | None = None) -> MeasurementReport:
-    """Return the comparison of an infant, compiled at the middle of each age group, with the survey's means.
-
-    Args:
-        spec: The infant, grown to each age; None means the average child.
-        progress: Called after each age.
+    """Return the comparison of an infant, or the average child, in the middle of age groups with the survey's means.
 
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
@@ -116,7 +105,6 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
 
 
 def _compare(child: InfantSpec) -> Iterator[MeasurementRow]:
-    """Yield the rows of a child in the middle of an age group."""
     tables, age_months, average = fits.load_tables(), child.age_months, fits.measure(child.age_months)
     wanted = child_of(child).measurements
     wanted_m, measured_m = wanted.of_side("left"), measure_body(compile_infant(child))

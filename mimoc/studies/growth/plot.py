@@ -14,17 +14,14 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot, Range, Sheet, Ticks
 
 LAST_MONTH = 24
 AGE_RANGE = (-0.5, LAST_MONTH + 0.5)
-PERCENTILES = (3, 15, 50, 85, 97)
-"""Those of WHO's charts."""
-NAMED = (3, 50, 97)
-"""Those that are named at the ends of their curves."""
+PERCENTILES = (3, 15, 50, 85, 97)  # Those of WHO's charts.
+NAMED = (3, 50, 97)  # Those that are named at the ends of their curves.
 
-SURVEYED = {
+SURVEYED = {  # AnthroKids' name of each indicator that it has; it does not have weight by age.
     "length_cm": "crown_sole_length",
     "head_circumference_cm": "head_circumference",
     "arm_circumference_cm": "upper_arm_circumference",
 }
-"""AnthroKids' name of each indicator that it has; it does not have weight by age."""
 
 GROWTH_CAPTION = (
     "mimoc: measured on the compiled models.  WHO: Child Growth Standards (2006, 2007), {population};"
@@ -38,8 +35,7 @@ MEASUREMENTS_CAPTION = (
 )
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "mean of boys and girls"}
 
-Points = Sequence[tuple[float, float]]
-"""Pairs of age in months and value."""
+Points = Sequence[tuple[float, float]]  # Pairs of age in months and value.
 
 
 def growth_sheet(series: Mapping[str, Points], reference: Reference = "mean") -> Sheet:
@@ -145,10 +141,8 @@ def _months(every: int) -> Ticks:
 
 
 WIDTH_PX, ROW_PX, FRAME_PX = 1400, 100, 180
-SPREAD = 0.55
-"""Height that the marks of a row are spread over, by that of a row."""
-BAR = 0.6
-"""Height of a bar, by that of a row."""
+SPREAD = 0.55  # Height that the marks of a row are spread over, by that of a row.
+BAR = 0.6  # Height of a bar, by that of a row.
 ROWS = Quantity("row", "")
 
 

@@ -17,24 +17,14 @@ from mimoc.body.grow import usual_measures
 from mimoc.body.kinematics import Stature, stature
 from mimoc.bundle.primitives import PRIMITIVES, solid_extents
 from mimoc.compiler.child import checked_or_average, child_of
-from mimoc.compiler.measuring import (
-    ROOT,
-    SAME,
-    UP,
-    Progress,
-    compare_at_ages,
-    compile_infant,
-    own_solids,
-)
+from mimoc.compiler.measuring import ROOT, SAME, UP, Progress, compare_at_ages, compile_infant, own_solids
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 from mimoc.schema.sizes import MEASUREMENT_OF
 
-MONTHS = range(25)
-"""Ages of the comparison, in whole months."""
-AVERAGE_SD = 1.0
-"""How far the average child may be from WHO's mean of boys and girls, in standard deviations."""
+MONTHS = range(25)  # Ages of the comparison, in whole months.
+AVERAGE_SD = 1.0  # How far the average child may be from WHO's mean of boys and girls, in standard deviations.
 REQUESTED_SD = 0.01
 """How far a measure may be from what the spec asks for, in standard deviations of WHO's children: at the 3rd percentile
 that is 0.07 percentiles, at the 50th 0.4. Bodies are solved to 1e-7."""
@@ -50,16 +40,12 @@ class Row:
     """One measure of the infant at one age, with its scores in WHO's standards."""
 
     age_months: float
-    indicator: str
-    """`length_cm`, `weight_kg`, `head_circumference_cm` or `arm_circumference_cm`."""
-    value: float
-    """Value, in the unit of the indicator's name."""
-    z: Mapping[Reference, float]
-    """Standard deviations above the median of boys, of girls and of their mean."""
+    indicator: str  # `length_cm`, `weight_kg`, `head_circumference_cm` or `arm_circumference_cm`.
+    value: float  # Value, in the unit of the indicator's name.
+    z: Mapping[Reference, float]  # Standard deviations above the median of boys, of girls and of their mean.
     reference: Reference = "mean"
     """Whom it is judged by: children of its sex, or the mean of both if the spec gives none."""
-    requested_z: float | None = None
-    """The z-score that the spec asks for; None if it asks for none."""
+    requested_z: float | None = None  # The z-score that the spec asks for; None if it asks for none.
     is_judged: bool = True
     """Whether it can be missed: what follows from other measures of an individual is only reported."""
 
@@ -98,7 +84,6 @@ COLUMNS = (
     *("age_months", "indicator", "value", "z", "percentile", "requested_z", "requested_percentile"),
     *("is_judged", "missed", "outside_one_sd"),
 )
-"""What plain data says of each row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +172,6 @@ def grow_against_who(
 
 
 def _rows(child: InfantSpec) -> list[Row]:
-    """Return the rows of a child at its age."""
     measures, individual = measure_compiled(compile_infant(child)), child.body.individual
     reference: Reference = (individual and individual.sex) or "mean"
     return compare_with_who(rounded(child.corrected_age_months), measures, reference, requests_of(child, measures))

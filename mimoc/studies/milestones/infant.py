@@ -21,20 +21,16 @@ from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 FIXED_ARMATURE = 1e6
 """Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""
 
-INTERVAL_MS = 5.0
-"""How often commands are sent in trials with delays."""
+INTERVAL_MS = 5.0  # How often commands are sent in trials with delays.
 
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
     """What can be varied to see how much a result hangs on it."""
 
-    push: float = 0.03
-    """Size of the pushes while sitting and standing, in body weights."""
-    servo: float = 1.0
-    """Factor on the natural frequency of the controller."""
-    strength: float = 1.0
-    """Factor on the torque limits of all motors, on top of the infant's own."""
+    push: float = 0.03  # Size of the pushes while sitting and standing, in body weights.
+    servo: float = 1.0  # Factor on the natural frequency of the controller.
+    strength: float = 1.0  # Factor on the torque limits of all motors, on top of the infant's own.
     delays: bool = False
     """Whether the infant's own delays of senses and commands apply, with a forward model that predicts over them."""
 
@@ -43,18 +39,14 @@ class Conditions:
 class TrialInfant(DrivenInfant):
     """A driven infant with what a trial has to know of it, which an apparatus can hold."""
 
-    timing: Timing
-    """When its senses tell and its commands act, in trials with delays."""
+    timing: Timing  # When its senses tell and its commands act, in trials with delays.
     toneless_bias: FloatArray | None = None
     """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them; None
     if it has no servos."""
 
     @property
     def sensed_steps(self) -> IntArray:
-        """Physics steps after which place and speed of each joint are known, shape (njnt,).
-
-        Those of the root are told by proprioception and balance together.
-        """
+        """Physics steps after which each joint is known, the root by proprioception and balance, shape (njnt,)."""
         model, timing = self.model, self.timing
         steps = timing.delay_steps("proprioception", within(model, model.jnt_bodyid.astype(np.intp)), model.njnt)
         balance = timing.delay_steps("vestibular", None, model.njnt)
@@ -77,11 +69,7 @@ class TrialInfant(DrivenInfant):
 
 
 def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> TrialInfant:
-    """Return the infant of a spec at some age, alone on a flat floor, all of its muscles at its command.
-
-    Raises:
-        SpecError: If the spec asks for what this version cannot build.
-    """
+    """Return the infant of a spec at some age, alone on a flat floor all muscles at its command, or a SpecError."""
     grown = grown_to(spec, age_months, conditions)
     with errors_at(spec, age_months):
         model = compile_infant(grown)
@@ -111,11 +99,7 @@ def compile_once(spec: str, age_months: float, conditions: Conditions) -> TrialI
 
 
 def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> InfantSpec:
-    """Return a spec at some age, with all of its muscles at its command and their strength under some conditions.
-
-    Raises:
-        SpecError: If the spec cannot have this age.
-    """
+    """Return a spec at some age, all muscles at its command with the strength of conditions; or raise a SpecError."""
     asked = spec.actuation
     pairs = {side: pair for pair, sides in PAIRED_GROUPS.items() for side in sides}
     strength = {
@@ -129,7 +113,6 @@ def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> Inf
 
 
 def _has_servos(spec: InfantSpec) -> bool:
-    """Return whether the commands of a spec's infant are angles that servos go to."""
     return spec.actuation.model == "position"
 
 

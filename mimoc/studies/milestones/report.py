@@ -78,8 +78,7 @@ def read_age_ranges(path: Path) -> dict[str, AgeRange]:
         }
 
 
-WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))
-"""By name of the trial."""
+WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))  # By name of the trial.
 
 
 @dataclass(frozen=True)
@@ -87,14 +86,10 @@ class Milestone:
     """What was found for one trial."""
 
     trial: Trial
-    sides: Mapping[str, SearchResult]
-    """By side, `left` and `right`; of a trial without sides, by an empty name."""
-    window: AgeRange | None
-    """When real infants reach it, if that is known."""
-    judged: bool
-    """Whether it is compared with real infants, or only reported."""
-    months_early: float = 0.0
-    """How long before term the child was born, by which its ages are corrected."""
+    sides: Mapping[str, SearchResult]  # By side, `left` and `right`; of a trial without sides, by an empty name.
+    window: AgeRange | None  # When real infants reach it, if that is known.
+    judged: bool  # Whether it is compared with real infants, or only reported.
+    months_early: float = 0.0  # How long before term the child was born, by which its ages are corrected.
     of_average: bool = False
     """Whether the child is average, so that it is judged by the mean ± 1 SD of real infants where that is known."""
 
@@ -170,10 +165,8 @@ class Milestone:
 class MilestoneReport:
     """The milestones of an infant."""
 
-    development: str
-    """The law that it follows."""
-    actuation: str
-    """Its actuation model."""
+    development: str  # The law that it follows.
+    actuation: str  # Its actuation model.
     conditions: Conditions
     milestones: Sequence[Milestone]
     beside: Mapping[str, "MilestoneReport"] = field(default_factory=dict)
@@ -287,7 +280,6 @@ def _searches(trial: Trial, infant: InfantSpec) -> Mapping[str, str]:
 
 
 def _both(results: Mapping[str, SearchResult]) -> Mapping[str, SearchResult]:
-    """Return what was found for both sides, if that is known for one."""
     if set(results) != {"right"}:
         return results
     right = results["right"]

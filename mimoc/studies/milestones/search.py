@@ -12,11 +12,10 @@ from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
-from mimoc.studies.kept_results import keep, kept_file, read_kept
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
 from mimoc.studies.milestones.trials import trial_called
-from mimoc.studies.processes import process_pool
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
 """Ages of the search, in months: every half month from birth to two years."""
@@ -27,13 +26,10 @@ def ages_of(spec: InfantSpec) -> Sequence[float]:
     return [age for age in AGES if age >= spec.months_early]
 
 
-COARSE_STRIDE = 2
-"""The search descends by every second age of the grid, and then looks at those in between."""
+COARSE_STRIDE = 2  # The search descends by every second age of the grid, and then looks at those in between.
 
-Progress = Callable[[int, int], None]
-"""Called with the number of ages done with and their total."""
-Try = Callable[[float], Outcome]
-"""Returns the outcome of a trial at an age in months."""
+Progress = Callable[[int, int], None]  # Called with the number of ages done with and their total.
+Try = Callable[[float], Outcome]  # Returns the outcome of a trial at an age in months.
 AttemptAt = Callable[[str, Conditions, str, float], Outcome]
 """Returns the outcome for a spec in JSON, conditions, the name of a trial, and an age in months."""
 Item = TypeVar("Item")
@@ -43,10 +39,8 @@ Item = TypeVar("Item")
 class SearchResult:
     """What a search found out about one trial."""
 
-    youngest_months: float | None
-    """The youngest age from which on all tried ages succeed; None if the oldest fails."""
-    outcomes: Mapping[float, Outcome] = field(default_factory=dict)
-    """Outcome by tried age."""
+    youngest_months: float | None  # The youngest age from which on all tried ages succeed; None if the oldest fails.
+    outcomes: Mapping[float, Outcome] = field(default_factory=dict)  # Outcome by tried age.
 
     @property
     def at_birth(self) -> bool:
@@ -84,13 +78,7 @@ def search_downwards(ages: Sequence[float], run: Try) -> SearchResult:
 
 
 def walk(ages: Sequence[float], near_months: float, run: Try) -> SearchResult:
-    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does.
-
-    Args:
-        ages: Ages to try, the youngest first.
-        near_months: The one to begin with.
-        run: Returns the outcome at an age.
-    """
+    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does."""
     at = ages.index(near_months)
     outcomes = {near_months: run(near_months)}
     if outcomes[near_months].success:
@@ -144,16 +132,7 @@ def search(
     processes: int = 1,
     progress: Progress | None = None,
 ) -> Mapping[str, SearchResult]:
-    """Return what is found for each trial, by name.
-
-    Args:
-        spec: The infant; its age is not used.
-        conditions: Conditions of the trials.
-        names: The trials, of one with sides also `arm_out:left`.
-        ages: Ages to try, in months.
-        processes: Number of processes; with 1, everything runs in this one.
-        progress: Called after each search.
-    """
+    """Return what is found for each trial, by name, of one with sides also `arm_out:left`; progress is in ages."""
     written = spec.model_dump_json()
 
     def find(name: str, attempt: AttemptAt) -> SearchResult:
@@ -172,8 +151,7 @@ def _searched(
 ) -> Iterator[tuple[Item, SearchResult]]:
     """Yield items with the results of their searches, in the order in which they come.
 
-    With one process, everything runs in this one. Otherwise all searches wait side by side for their attempts, which
-    run in processes that leave Ctrl-C to this one.
+    With several processes, all searches wait side by side for their attempts, which run there.
     """
     if processes == 1:
         for item in items:
@@ -194,8 +172,7 @@ def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> 
     return try_out(trial, compile_once(spec, age_months, conditions), conditions, side)
 
 
-FOLDER = "searches"
-"""Where finished searches are kept until all of them are."""
+FOLDER = "searches"  # Where finished searches are kept until all of them are.
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,8 +181,7 @@ class Case:
 
     development: Development
     trial: str
-    ages: tuple[float, ...]
-    """The ages that may be tried, in months, the youngest first."""
+    ages: tuple[float, ...]  # The ages that may be tried, in months, the youngest first.
     conditions: Conditions
     near_months: float | None = None
     """One of the ages, from which on others are tried step by step; None means from the oldest down."""
@@ -214,22 +190,13 @@ class Case:
 def run_searches(
     cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[], None]
 ) -> Mapping[Case, SearchResult]:
-    """Return what is found in each case; of searches that the same software has finished in this folder, what it found.
-
-    Args:
-        cases: What to search for.
-        folder: Where each result is written as soon as it is there.
-        processes: Number of processes; with 1, everything runs in this one.
-        finished: Called after each search.
-
-    Raises:
-        OutputError: If a result cannot be written.
-    """
+    """Return what is found in each case, or was by the same software in this folder, where each result is kept."""
     results = {case: result for case in cases if (result := _read(folder, case)) is not None}
     for _ in results:
         finished()
     for case, result in _searched(processes, _search, [case for case in cases if case not in results]):
-        _write(folder, case, result)
+        data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
+        keep(_file(folder, case), data, below=folder)
         results[case] = result
         finished()
     return {case: results[case] for case in cases}
@@ -258,11 +225,6 @@ class _SearchFile(Model):
     youngest_months: Real | None
     tried: tuple[tuple[Real, Outcome], ...]
     """Ages in months, and what came of them."""
-
-
-def _write(folder: Path, case: Case, result: SearchResult) -> None:
-    data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
-    keep(_file(folder, case), data, below=folder)
 
 
 def _read(folder: Path, case: Case) -> SearchResult | None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.policies.control.holding.controller import Controller, Servo, servo
+from mimoc.policies.control.holding.controller import Controller, servo
 from mimoc.policies.control.holding.rehearsal import Rehearsal
 from mimoc.runtime.delays.timing import within
 from mimoc.runtime.noise.noise import NoiseStreams
@@ -30,12 +30,7 @@ class Estimator:
     """
 
     def __init__(self, model: mujoco.MjModel, sensed_steps: IntArray):
-        """Begin without a past.
-
-        Args:
-            model: The infant and its floor.
-            sensed_steps: Physics steps after which the place and speed of each joint are known, shape (njnt,).
-        """
+        """Begin without a past; place and speed of each joint are known after *sensed_steps*, shape (njnt,)."""
         self._model, self._estimate = model, mujoco.MjData(model)
         of_speeds = sensed_steps[model.dof_jntid]
         ends = [*model.jnt_qposadr[1:].tolist(), model.nq]
@@ -60,17 +55,14 @@ class Estimator:
         return estimate
 
 
-CHECKED_EVERY_S = 0.05
-"""How often the condition of a trial is checked."""
+CHECKED_EVERY_S = 0.05  # How often the condition of a trial is checked.
 
 Check = Callable[[mujoco.MjData], str]
 """Returns why a state does not meet the condition of a trial; nothing if it does."""
 Target = Callable[[mujoco.MjData, float], FloatArray]
 """Returns the angles that the driven hinges go to, shape (n,), in a state and after a time in [s]."""
-Apparatus = Callable[[mujoco.MjData, float], None]
-"""Moves what an apparatus moves, after a time in [s]."""
-Watch = Callable[[mujoco.MjData], None]
-"""Sees the state after every physics step, for pictures and measurements."""
+Apparatus = Callable[[mujoco.MjData, float], None]  # Moves what an apparatus moves, after a time in [s].
+Watch = Callable[[mujoco.MjData], None]  # Sees the state after every physics step, for pictures and measurements.
 
 
 @dataclass(frozen=True)
@@ -82,35 +74,30 @@ class Push:
     duration_s: float = 0.2
 
 
-PUSHES = (
+PUSHES = (  # Forward, back and to both sides, far enough apart to come to rest in between.
     Push(2.0, (1.0, 0.0, 0.0)),
     Push(4.0, (-1.0, 0.0, 0.0)),
     Push(6.0, (0.0, 1.0, 0.0)),
     Push(8.0, (0.0, -1.0, 0.0)),
 )
-"""Forward, back and to both sides, far enough apart to come to rest in between."""
 
 
 @dataclass(frozen=True)
 class Attempt:
     """One way to try: a posture to start from, what to go for, and what must be true from when on."""
 
-    infant: TrialInfant
-    """The infant, with what an apparatus holds of it fixed."""
+    infant: TrialInfant  # The infant, with what an apparatus holds of it fixed.
     start: mujoco.MjData
     seconds: float
     check: Check
     checked_from_s: float = 0.0
     goal_deg: Mapping[str, float] = field(default_factory=dict)
     """Joints that leave the posture of the start, which all others keep, and where they go to."""
-    target: Target | None = None
-    """Where the driven hinges go to, if that depends on state or time."""
+    target: Target | None = None  # Where the driven hinges go to, if that depends on state or time.
     pushes: Sequence[Push] = ()
     apparatus: Apparatus | None = None
-    strategy: str = ""
-    """In words, which posture it is."""
-    side: str = ""
-    """Of a trial with sides, which one it is about: `left` or `right`."""
+    strategy: str = ""  # In words, which posture it is.
+    side: str = ""  # Of a trial with sides, which one it is about: `left` or `right`.
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,10 +105,8 @@ class Outcome:
     """How an attempt ended."""
 
     success: bool
-    seconds: float
-    """Time at which it failed, or its duration."""
-    reason: str = ""
-    """Why it failed."""
+    seconds: float  # Time at which it failed, or its duration.
+    reason: str = ""  # Why it failed.
     strategy: str = ""
 
 
@@ -133,8 +118,7 @@ class Trial:
     title: str
     attempts: Callable[[TrialInfant], Iterable[Attempt]] = field(repr=False)
     """The ways to try it, which an infant tries in turn until one succeeds."""
-    needs: tuple[str, ...] = ()
-    """The bodies without which it cannot be tried."""
+    needs: tuple[str, ...] = ()  # The bodies without which it cannot be tried.
     basis: Basis = "predicted"
     """Whether a number of the law `maturing` was chosen for the age at which infants succeed."""
     sided: bool = False
@@ -142,14 +126,7 @@ class Trial:
 
 
 def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, side: str = "") -> Outcome:
-    """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
-
-    Args:
-        trial: The trial.
-        infant: Who tries.
-        conditions: Under which conditions.
-        side: Of a trial with sides, `left` or `right`; none is either.
-    """
+    """Return the outcome of the first attempt, of one *side* or either, that succeeds, or of the longest."""
     best = Outcome(False, 0.0, "this infant lacks a part that the trial needs")
     for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():
         if side not in ("", attempt.side):
@@ -173,7 +150,9 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
         time_s = step * step_s
         if attempt.apparatus:
             attempt.apparatus(data, time_s)
-        data.xfrc_applied[chest, :3] = _push_n(attempt, conditions, time_s)
+        now = [push for push in attempt.pushes if push.start_s <= time_s < push.start_s + push.duration_s]
+        size_n = conditions.push * attempt.infant.weight_n
+        data.xfrc_applied[chest, :3] = size_n * np.sum([push.direction for push in now], axis=0) if now else np.zeros(3)
         data.ctrl[:] = controls(step)
         mujoco.mj_step(model, data)
         if watch:
@@ -192,12 +171,7 @@ def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> 
     if not conditions.delays:
         control = Controller(infant, gains, step_s)
         return lambda step: control(data, target(data, step * step_s))
-    return _delayed(infant, gains, data, target)
-
-
-def _delayed(infant: TrialInfant, gains: Servo, data: mujoco.MjData, target: Target) -> Callable[[int], FloatArray]:
-    """Return the function from a physics step to the controls that arrive in it, sent by what is known of the state."""
-    model, step_s, every = infant.model, infant.model.opt.timestep, infant.timing.period
+    model, every = infant.model, infant.timing.period
     actuators = np.arange(model.nu)
     estimator, rehearsal = Estimator(model, infant.sensed_steps), Rehearsal(infant, gains, actuators, infant.timing)
     lines = infant.timing.commands(
@@ -217,10 +191,3 @@ def _delayed(infant: TrialInfant, gains: Servo, data: mujoco.MjData, target: Tar
         return arrived
 
     return controls
-
-
-def _push_n(attempt: Attempt, conditions: Conditions, time_s: float) -> FloatArray:
-    """Return the force on the chest at some time, shape (3,)."""
-    now = [push for push in attempt.pushes if push.start_s <= time_s < push.start_s + push.duration_s]
-    size_n = conditions.push * attempt.infant.weight_n
-    return size_n * np.sum([push.direction for push in now], axis=0) if now else np.zeros(3)

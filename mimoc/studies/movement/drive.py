@@ -20,22 +20,19 @@ from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.studies.milestones.infant import TrialInfant
 
 SUPINE_DEG = -90.0
-CURLED_DEG: Mapping[str, float] = {
+CURLED_DEG: Mapping[str, float] = {  # The posture in which an infant is laid on its back, before it settles.
     "{side}_hip1": -60.0,
     "{side}_knee": -90.0,
     "{side}_elbow": -90.0,
     "{side}_shoulder_ad_ab": 60.0,
 }
-"""The posture in which an infant is laid on its back, before it settles."""
-QUIET: Mapping[str, float] = {}
-"""No joint is asked for anything; what tone there is without commands stays."""
+QUIET: Mapping[str, float] = {}  # No joint is asked for anything; what tone there is without commands stays.
 
 
 class Drive:
     """Turns shares of strength into controls."""
 
     def __init__(self, infant: TrialInfant):
-        """Find the actuators of each driven hinge."""
         model = infant.model
         self._infant = infant
         self._slots = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
@@ -47,12 +44,9 @@ class Drive:
         self._scratch = mujoco.MjData(model)
 
     def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:
-        """Return the controls, shape (nu,), in a state.
+        """Return the controls, shape (nu,), in a state, for shares of the strength of some hinges, without `robot:`.
 
-        Args:
-            data: The state.
-            shares: By hinge, without `robot:`, the share of its strength, above 0 towards positive angles; all others
-                are quiet. Hinges that this infant lacks are left out.
+        Above 0 is towards positive angles. All other hinges are quiet; those that this infant lacks are left out.
         """
         by_joint = np.array([shares.get(name, 0.0) for name in self._infant.joint_names])
         return self.controls(data, by_joint)
@@ -160,5 +154,4 @@ def hinges_below(infant: TrialInfant, body: str) -> IntArray:
 
 
 def _muscles(model: mujoco.MjModel) -> np.ndarray:
-    """Return which actuators are muscles, shape (nu,)."""
     return np.asarray(model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE)

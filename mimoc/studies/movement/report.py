@@ -20,11 +20,11 @@ from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
 from mimoc.studies.certainty import ASSUMPTION, READ, Basis, Certainty
+from mimoc.studies.kept_results import process_pool
 from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
 from mimoc.studies.milestones.search import Progress
 from mimoc.studies.movement.trial import Subject, Values, missing
 from mimoc.studies.movement.trials import TRIALS, USUAL
-from mimoc.studies.processes import process_pool
 
 Verdict = Literal["inside", "outside", "not reached", "no verdict", "not tried"]
 
@@ -87,10 +87,8 @@ class Row:
     value: float | None
     """None if it was not tried, or did not happen, such as the time to a bend of the hip that it does not reach."""
     window: Window | None
-    reason: str = ""
-    """Why it was not tried."""
-    side: str = ""
-    """`left`, `right`, or `both` of an infant whose sides are alike; none if the measure has no side."""
+    reason: str = ""  # Why it was not tried.
+    side: str = ""  # `left`, `right`, or `both` of an infant whose sides are alike; none if the measure has no side.
 
     @property
     def name(self) -> str:
@@ -145,10 +143,8 @@ class Row:
 class MovementReport:
     """How an infant moves."""
 
-    development: str
-    """The law that it follows."""
-    actuation: str
-    """Its actuation model."""
+    development: str  # The law that it follows.
+    actuation: str  # Its actuation model.
     rows: Sequence[Row]
     beside: Mapping[str, "MovementReport"] = field(default_factory=dict)
     """Those of its counterparts, by what they are, such as `healthy`."""
@@ -261,13 +257,16 @@ def _report(
     sides = BOTH if has_like_sides(infant) else SIDES
     sided = [(*job, side) for job in jobs for side in (sides if TRIALS[job[0]].side else ("",))]
     results = _run(infant.model_dump_json(), sided, processes, progress)
-    rows = [row for job in sided for row in _rows(job, results[job])]
+    rows = list[Row]()
+    for (name, age, side), result in ((job, results[job]) for job in sided):
+        for measure in TRIALS[name].measures:
+            window, value = window_of(measure.name, age), result.values.get(measure.name)
+            rows.append(Row(name, measure, age, value, window, result.reason, side))
     return MovementReport(infant.development, infant.actuation.model, rows)
 
 
 BOTH = ("both",)
-Job = tuple[str, float, str]
-"""Name of a trial, age in months, and the side whose limb is measured."""
+Job = tuple[str, float, str]  # Name of a trial, age in months, and the side whose limb is measured.
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,8 +274,7 @@ class Result:
     """What came of a trial."""
 
     values: Values
-    reason: str = ""
-    """Why it was not tried."""
+    reason: str = ""  # Why it was not tried.
 
 
 def _run(spec: str, jobs: Sequence[Job], processes: int, progress: Progress) -> Mapping[Job, Result]:
@@ -311,10 +309,3 @@ def try_movement(spec: str, name: str, age_months: float, side: str = "") -> Res
 def _subject(spec: str, age_months: float) -> Subject:
     grown = grown_to(InfantSpec.model_validate_json(spec), age_months, Conditions())
     return Subject(compile_once(spec, age_months, Conditions()), grown)
-
-
-def _rows(job: Job, result: Result) -> Iterator[Row]:
-    name, age_months, side = job
-    for measure in TRIALS[name].measures:
-        window = window_of(measure.name, age_months)
-        yield Row(name, measure, age_months, result.values.get(measure.name), window, result.reason, side)

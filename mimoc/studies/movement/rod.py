@@ -11,7 +11,7 @@ import numpy as np
 
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.measuring import infant_files
-from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.milestones.infant import TrialInfant, in_trial
 from mimoc.studies.movement.drive import has_joint
@@ -28,12 +28,10 @@ STRAIGHT = ("_th_middle", "_th_distal")
 RADIUS = 0.14
 """Radius of the rod by the length of a straight finger: .5 cm at birth, half of the 19 mm of the bar that newborns have
 hung by; a mitten's one finger does not get around more."""
-ROD_HALF_M, ROD_KG, ROD_DAMPING = 0.03, 0.1, 0.5
-"""Half length, mass, and damping of its movements in [N s/m]."""
+ROD_HALF_M, ROD_KG, ROD_DAMPING = 0.03, 0.1, 0.5  # Half length, mass, and damping of its movements in [N s/m].
 ROD_FRICTION = (1.0, 0.005, 0.0002)
 CLEAR_M, FAR_M = 0.0003, 0.01
-GRID = 41
-"""Places that are tried for the rod along each side of a square."""
+GRID = 41  # Places that are tried for the rod along each side of a square.
 ABOVE_M = 1.0
 
 
@@ -45,16 +43,11 @@ class Hand:
     """Hinges that bend fingers and thumb, and the one that puts the thumb before the palm, without `robot:`, and the
     angle of each at the closed end of its range."""
     knuckle_m: FloatArray
-    axis: FloatArray
-    """About which the knuckles bend."""
-    to_wrist: FloatArray
-    """From the knuckles along the palm."""
-    to_fingers: FloatArray
-    """From the knuckles to the middle of the bent fingers."""
-    length_m: float
-    """Of a straight finger, from the knuckle."""
-    closed_deg: dict[str, float]
-    """Angles of these hinges when the rod is put in."""
+    axis: FloatArray  # About which the knuckles bend.
+    to_wrist: FloatArray  # From the knuckles along the palm.
+    to_fingers: FloatArray  # From the knuckles to the middle of the bent fingers.
+    length_m: float  # Of a straight finger, from the knuckle.
+    closed_deg: dict[str, float]  # Angles of these hinges when the rod is put in.
 
     @property
     def out_of_palm(self) -> FloatArray:
@@ -71,10 +64,15 @@ def hand_of(infant: TrialInfant) -> Hand:
     """Return the left hand of an infant, its fingers bent as far as they are when the rod is put in."""
     model = infant.model
     knuckle = next(name for name in KNUCKLES if has_joint(infant, name))
-    closing_rad = {name: _closed_rad(infant, name) for name in _closing(infant)}
+    hand, closing_rad = in_subtrees(model, [model.body(HAND).id]), dict[str, float]()
+    for joint, name in zip(infant.joints, infant.joint_names, strict=True):
+        if hand[model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):
+            low, high = model.joint(f"robot:{name}").range
+            closing_rad[name] = float(low if -low > high else high)
     straight = infant.placed(0.0, {}, ABOVE_M)
     hinge = model.joint(f"robot:{knuckle}").id
-    palm, fingers = _solids(infant.model, int(model.jnt_bodyid[hinge]))
+    palm = np.flatnonzero(model.geom_bodyid == model.body(HAND).id)
+    fingers = np.flatnonzero(in_subtrees(model, [int(model.jnt_bodyid[hinge])])[model.geom_bodyid])
     tips_m = [np.linalg.norm(straight.geom_xpos[geom] - straight.xanchor[hinge]) for geom in fingers]
     outermost = fingers[int(np.argmax(tips_m))]
     length_m = float(max(tips_m) + model.geom_size[outermost, 0])
@@ -84,7 +82,8 @@ def hand_of(infant: TrialInfant) -> Hand:
     }
     data = infant.placed(0.0, closed, ABOVE_M)
     anchor, axis = data.xanchor[hinge].copy(), data.xaxis[hinge].copy()
-    to_wrist, to_fingers = (_across(data.geom_xpos[geoms[0]] - anchor, axis) for geoms in (palm, fingers))
+    ways_m = (data.geom_xpos[geoms[0]] - anchor for geoms in (palm, fingers))
+    to_wrist, to_fingers = (_unit(way_m - axis * (way_m @ axis)) for way_m in ways_m)
     return Hand(closing_rad, anchor, axis, to_wrist, to_fingers, length_m, closed)
 
 
@@ -97,7 +96,10 @@ def with_rod(spec: InfantSpec, hand: Hand) -> TrialInfant:
         scene.delete(key)
     rod = scene.worldbody.add_body(name=ROD, quat=_turned_to(hand.axis))
     for number, name in enumerate("xyz"):
-        axis = _into_rod(hand.axis, np.eye(3)[number])
+        turned, back = np.zeros(3), np.zeros(4)
+        mujoco.mju_negQuat(back, np.array(_turned_to(hand.axis)))
+        mujoco.mju_rotVecQuat(turned, np.eye(3)[number], back)
+        axis = turned.tolist()
         slide = mujoco.mjtJoint.mjJNT_SLIDE
         rod.add_joint(name=f"{ROD}_{name}", type=slide, axis=axis, damping=ROD_DAMPING)
     size = [RADIUS * hand.length_m, ROD_HALF_M, 0.0]
@@ -117,48 +119,21 @@ def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:
     for place in sorted(_places(hand), key=lambda place: float(np.linalg.norm(place - hand.knuckle_m))):
         data.qpos[-3:] = place
         mujoco.mj_kinematics(model, data)
-        if all(_gap_m(model, data, int(geom)) >= CLEAR_M for geom in parts):
+        if all(
+            float(mujoco.mj_geomDistance(model, data, model.geom(ROD).id, int(geom), FAR_M, None)) >= CLEAR_M
+            for geom in parts
+        ):
             mujoco.mj_forward(model, data)
             return data
     return None
 
 
 def _places(hand: Hand) -> Iterator[FloatArray]:
-    """Yield places across the knuckles, inside the bend of the fingers."""
     for along in np.linspace(0.0, 1.0, GRID):
         for out in np.linspace(2 * RADIUS, 1.0, GRID):  # Nearer, it would be in the palm.
             offset = along * hand.to_wrist + out * hand.out_of_palm
             if offset @ hand.to_fingers > 0:
                 yield hand.knuckle_m + hand.length_m * offset
-
-
-def _gap_m(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> float:
-    """Return the distance of the rod to a geom, as far as it is below some."""
-    return float(mujoco.mj_geomDistance(model, data, model.geom(ROD).id, geom, FAR_M, None))
-
-
-def _solids(model: mujoco.MjModel, finger: int) -> tuple[IntArray, IntArray]:
-    """Return the geoms of the palm and those of the finger that begins with some body."""
-    palm = np.flatnonzero(model.geom_bodyid == model.body(HAND).id).astype(np.intp)
-    return palm, np.flatnonzero(in_subtrees(model, [finger])[model.geom_bodyid]).astype(np.intp)
-
-
-def _closing(infant: TrialInfant) -> Iterator[str]:
-    """Yield the driven hinges that close the hand."""
-    hand = in_subtrees(infant.model, [infant.model.body(HAND).id])
-    for joint, name in zip(infant.joints, infant.joint_names, strict=True):
-        if hand[infant.model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):
-            yield name
-
-
-def _closed_rad(infant: TrialInfant, joint: str) -> float:
-    low, high = infant.model.joint(f"robot:{joint}").range
-    return float(low if -low > high else high)
-
-
-def _across(vector: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return the direction of a vector across an axis."""
-    return _unit(vector - axis * (vector @ axis))
 
 
 def _unit(vector: FloatArray) -> FloatArray:
@@ -170,11 +145,3 @@ def _turned_to(axis: FloatArray) -> list[float]:
     quat = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
     length = float(np.linalg.norm(quat))
     return (quat / length).tolist() if length > 1e-6 else [0.0, 1.0, 0.0, 0.0]
-
-
-def _into_rod(axis: FloatArray, vector: FloatArray) -> list[float]:
-    """Return a vector of the world in the frame of the rod."""
-    turned, back = np.zeros(3), np.zeros(4)
-    mujoco.mju_negQuat(back, np.array(_turned_to(axis)))
-    mujoco.mju_rotVecQuat(turned, vector, back)
-    return turned.tolist()

@@ -17,8 +17,7 @@ class Subject:
     """An infant of some age, and the spec that it was compiled from."""
 
     infant: TrialInfant
-    spec: InfantSpec
-    """At its age, for trials that add something to its world."""
+    spec: InfantSpec  # At its age, for trials that add something to its world.
 
     @property
     def slack(self) -> TrialInfant:
@@ -33,20 +32,15 @@ class MovementTrial:
     name: str
     title: str
     measure: Callable[[Subject], Values] = field(repr=False)
-    ages_months: Sequence[float]
-    """The ages at which it is done unless others are asked for."""
-    measures: tuple[Quantity, ...]
-    """What it gives, in the order in which tables show it."""
-    needs: tuple[str, ...] = ()
-    """The bodies without which it cannot be tried."""
+    ages_months: Sequence[float]  # The ages at which it is done unless others are asked for.
+    measures: tuple[Quantity, ...]  # What it gives, in the order in which tables show it.
+    needs: tuple[str, ...] = ()  # The bodies without which it cannot be tried.
     needs_one_of: tuple[str, ...] = ()
     """Bodies of which one is needed, as hands of different kinds have different fingers; none if there are none."""
     held_out: bool = False
     """Whether nothing of the law `maturing` was chosen with it in view, so that what it gives are predictions."""
-    on_request: bool = False
-    """Whether it takes minutes, so that it is done only if it is asked for by its name."""
-    side: str = ""
-    """The side whose limb is measured, `left` or `right`; none if it is about both."""
+    on_request: bool = False  # Whether it takes minutes, so that it is done only if it is asked for by its name.
+    side: str = ""  # The side whose limb is measured, `left` or `right`; none if it is about both.
 
 
 def missing(trial: MovementTrial, infant: TrialInfant) -> str:

@@ -22,10 +22,8 @@ from mimoc.studies.reporting.page import Page, render
 if TYPE_CHECKING:
     from mimoc.studies.cohorts import Cohort
 
-Progress = Callable[[int, int], None]
-"""Called with the number of steps done and their total."""
-RUN, COHORT = "run.json", "cohort.json"
-"""Files that are in the folder of a training run, and of a cohort."""
+Progress = Callable[[int, int], None]  # Called with the number of steps done and their total.
+RUN, COHORT = "run.json", "cohort.json"  # Files that are in the folder of a training run, and of a cohort.
 
 
 @takes(
@@ -104,7 +102,6 @@ def _page(
 
 
 def _spec(source: Any) -> InfantSpec:
-    """Return the spec of an infant that is to stand beside another."""
     if isinstance(source, InfantSpec):
         return source
     place = Path(os.path.expanduser(str(source)))

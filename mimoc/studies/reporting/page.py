@@ -23,8 +23,7 @@ _HTML = Environment(
 class Link:
     """A reference to a place on the same page."""
 
-    target: str
-    """Its fragment, without `#`."""
+    target: str  # Its fragment, without `#`.
     text: str
 
 
@@ -33,14 +32,10 @@ class Cell:
     """A cell of a table."""
 
     text: str
-    kind: str = "text"
-    """Class of the style sheet: `text`, `number`, `good`, `bad` or `code`."""
-    links: tuple[Link, ...] = ()
-    """References that follow the text."""
-    drawings: tuple[Drawing, ...] = ()
-    """Drawings that stand in the cell."""
-    anchors: tuple[str, ...] = ()
-    """Fragments by which the cell can be referred to."""
+    kind: str = "text"  # Class of the style sheet: `text`, `number`, `good`, `bad` or `code`.
+    links: tuple[Link, ...] = ()  # References that follow the text.
+    drawings: tuple[Drawing, ...] = ()  # Drawings that stand in the cell.
+    anchors: tuple[str, ...] = ()  # Fragments by which the cell can be referred to.
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +44,7 @@ class TextBlock:
 
     template: ClassVar[str] = "report/text.html.j2"
     text: str
-    kind: str = "plain"
-    """Class of the style sheet: `plain`, `note` or `warning`."""
+    kind: str = "plain"  # Class of the style sheet: `plain`, `note` or `warning`.
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,8 +109,7 @@ Block: TypeAlias = TextBlock | Code | Table | Tiles | Drawings | Details
 class Section:
     """A part of a page with a heading."""
 
-    name: str
-    """Its fragment."""
+    name: str  # Its fragment.
     title: str
     blocks: tuple[Block, ...]
 
@@ -125,8 +118,7 @@ class Section:
 class Picture:
     """A picture that is part of the page."""
 
-    data: str
-    """Its URL, which holds all of it."""
+    data: str  # Its URL, which holds all of it.
     about: str
     width: str
     height: str
@@ -136,16 +128,12 @@ class Picture:
 class Page:
     """A page."""
 
-    kind: str
-    """What it is about, in a few words, above its title."""
+    kind: str  # What it is about, in a few words, above its title.
     title: str
-    lead: tuple[str, ...]
-    """Paragraphs below the title."""
+    lead: tuple[str, ...]  # Paragraphs below the title.
     sections: tuple[Section, ...]
-    made_by: str
-    """The last line."""
-    pictures: tuple[Picture, ...] = ()
-    """Beside the title."""
+    made_by: str  # The last line.
+    pictures: tuple[Picture, ...] = ()  # Beside the title.
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[Cell]]) -> Table:

@@ -11,8 +11,7 @@ from mimoc.bundle.primitives import solid_extents
 from mimoc.compiler.measuring import Figure, own_solids
 from mimoc.render.plots.drawing import Point, Shape, area
 
-CORNERS = 24
-"""Of the polygon that stands for the outline of a solid."""
+CORNERS = 24  # Of the polygon that stands for the outline of a solid.
 
 Points = npt.NDArray[np.float64]
 
@@ -21,15 +20,11 @@ Points = npt.NDArray[np.float64]
 class Silhouette:
     """The outlines of an infant's solids, those behind first."""
 
-    outlines_m: tuple[Points, ...]
-    """To the infant's left and up from its soles, shape (corners, 2) each."""
+    outlines_m: tuple[Points, ...]  # To the infant's left and up from its soles, shape (corners, 2) each.
     height_m: float
-    half_width_m: float
-    """From its middle to the outermost point on either side."""
-    figure: Figure
-    """The posed infant."""
-    sole_m: float
-    """Height of its soles in the model."""
+    half_width_m: float  # From its middle to the outermost point on either side.
+    figure: Figure  # The posed infant.
+    sole_m: float  # Height of its soles in the model.
 
     def at(self, point_m: Points, scale: float, foot: Point) -> Point:
         """Return where a point of the world, shape (3,), is in a drawing with some units in a metre.

@@ -10,23 +10,11 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import WorldBundle
 from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.studies.reporting import words
+from mimoc.studies.reporting import page, words
 from mimoc.studies.reporting.infant import infant_sections
 from mimoc.studies.reporting.infant.sources import Sources
 from mimoc.studies.reporting.infant.who import introduce
-from mimoc.studies.reporting.page import (
-    Cell,
-    Code,
-    Details,
-    Drawings,
-    Page,
-    Section,
-    TextBlock,
-    Tile,
-    Tiles,
-    number,
-    table,
-)
+from mimoc.studies.reporting.page import Cell, Code, Details, Drawings, Section, TextBlock, Tile, Tiles, number, table
 from mimoc.studies.reporting.world import infant_section, introduce_world
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
@@ -42,8 +30,7 @@ NAMES = {
     "checkpoint_every": "control steps between checkpoints",
 }
 TILES = (outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.RETURN)
-SHOWN_DOTS = 60
-"""Rows up to which each is a dot."""
+SHOWN_DOTS = 60  # Rows up to which each is a dot.
 CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
 UNFINISHED_NOTE = (
     " Hollow and dotted: so far, of episodes that had not ended then, which cannot be compared with whole ones."
@@ -51,14 +38,8 @@ UNFINISHED_NOTE = (
 NO_CURVE = "The training has not reached its first checkpoint: there is no learning curve yet."
 
 
-def training_page(folder: Path) -> Page:
-    """Return the page of a training run.
-
-    Raises:
-        TrainingError: If its files are damaged.
-        BundleError: If its infant is damaged.
-        ModelError: If MuJoCo rejects its model.
-    """
+def training_page(folder: Path) -> page.Page:
+    """Return the page of a training run; raise a MimocError if its files or its infant are damaged."""
     run, curve = read_training_run(folder)
     bundle = read_run_bundle(folder)
     if isinstance(bundle, WorldBundle):
@@ -70,7 +51,7 @@ def training_page(folder: Path) -> Page:
         lead, pictures = introduce(bundle)
     done, wanted = curve.steps, run.settings.steps
     state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
-    return Page(
+    return page.Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
         lead=(f"Trained for {done:,} control steps. {state}.", *lead),
@@ -135,7 +116,6 @@ def _plot(curve: Curve, quantity: Quantity) -> Plot:
 
 
 def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]]:
-    """Return steps and value of each row where a quantity has a value; none without one."""
     points = [(float(row.steps), float(getattr(row, quantity.curve))) for row in curve.rows] if quantity else []
     return [point for point in points if isfinite(point[1])]
 

@@ -5,10 +5,8 @@ import math
 from mimoc.render.plots.drawing import MINUS
 
 THIN_SPACE, TIMES, NOTHING = "\u202f", "\u00d7", "\u2013"
-FEW, MANY = 3.0, 97.0
-"""Percentiles between which WHO's charts draw the usual range."""
-LOW, HIGH = 15.0, 85.0
-"""Percentiles between which 7 of 10 children are, the inner band of those charts."""
+FEW, MANY = 3.0, 97.0  # Percentiles between which WHO's charts draw the usual range.
+LOW, HIGH = 15.0, 85.0  # Percentiles between which 7 of 10 children are, the inner band of those charts.
 
 COMPARED = {
     "length_cm": ("shorter", "short", "long"),

@@ -20,9 +20,8 @@ from mimoc.runtime.constraints import Constraints
 from mimoc.schema.counterparts import world_counterpart
 from mimoc.studies.reporting import words
 from mimoc.studies.reporting.infant import infant_sections
-from mimoc.studies.reporting.infant.beside import beside
 from mimoc.studies.reporting.infant.sources import Sources, origin
-from mimoc.studies.reporting.infant.strength import UNCHECKED, stability_of
+from mimoc.studies.reporting.infant.strength import UNCHECKED, beside, stability_of
 from mimoc.studies.reporting.infant.who import HEIGHT_PX, WIDTH_PX, picture_of, proportions, sentences
 from mimoc.studies.reporting.page import Cell, Details, Page, Picture, Section, TextBlock, number, table
 from mimoc.version import __version__

@@ -9,17 +9,46 @@ from typing import Any
 
 from mimoc.base.errors import SpecError
 from mimoc.bundle.files import make_folder
+from mimoc.policies.postures import Postures
 from mimoc.runtime.opening.environments import open_infant
+from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.kept_results import keep, kept_file, read_kept
-from mimoc.studies.processes import process_pool
-from mimoc.studies.skills.attempt import Attempt, problem_of
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 from mimoc.studies.skills.search import search
 
-Job = tuple[InfantSpec, int]
-"""The infant that is to learn a skill, and the seed."""
-ProgressCallback = Callable[[int, int], None]
-"""Called with how much is done, and how much there is to do."""
+
+class Attempt(Model):
+    """One search at one age."""
+
+    age_months: float
+    """The infant's age."""
+    seed: int
+    """Seed of the search."""
+    success: float
+    """Share of starts in which it has the skill."""
+    starts: int
+    """Number of these starts."""
+    tried: int = 0
+    """Number of movements tried, or of control steps of a training."""
+    curve: tuple[float, ...] = ()
+    """Mean score of the best tries in each round, or the share of episodes with success in each row of a training."""
+    movement: Postures | None = None
+    """The movement that a search found; None if a policy was trained, or the infant cannot even begin."""
+    policy: str = ""
+    """Path of the policy that was trained on a device, from the folder of the results."""
+    success_on_device: float | None = None
+    """Share of the infants that had success there with the same policy, one episode each."""
+    problem: str = ""
+    """Why it cannot begin."""
+
+
+def problem_of(error: SpecError) -> str:
+    """Return why a task cannot begin, without the place in a spec."""
+    return str(error).partition("task.kind: ")[2] or str(error)
+
+
+Job = tuple[InfantSpec, int]  # The infant that is to learn a skill, and the seed.
+ProgressCallback = Callable[[int, int], None]  # Called with how much is done, and how much there is to do.
 
 
 @dataclass(frozen=True)
@@ -27,8 +56,7 @@ class Way:
     """A way to learn a skill."""
 
     name: str
-    budget: tuple[Any, ...]
-    """What decides its results besides infant and seed, as plain data."""
+    budget: tuple[Any, ...]  # What decides its results besides infant and seed, as plain data.
     made: Callable[[Sequence[Job], ProgressCallback], Iterator[tuple[int, Attempt]]]
     """Yields the place of a job and what came of it, as soon as it is done."""
 

@@ -14,25 +14,20 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bench.scores import wilson_interval
 from mimoc.studies.bodies import bodies_digest
 from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
-from mimoc.studies.skills.attempt import Attempt
-from mimoc.studies.skills.attempts import Way, attempts_of, searches
+from mimoc.studies.skills.attempts import Attempt, Way, attempts_of, searches
 
 TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 512
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age
 has; control steps and infants of a training on a device."""
-LEARNT = 0.5
-"""Share of starts from which on a skill counts as learnt at an age."""
+LEARNT = 0.5  # Share of starts from which on a skill counts as learnt at an age.
 CHILD = {
     "mimoc": 1,
     "name": "average_child",
     "age_months": 6,
     "senses": {"proprioception": {"include": ["velocity"]}, "vestibular": {}},
 }
-"""Who learns, unless a spec says otherwise."""
-
 
 REAL_AGES: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("ages.csv"))
-"""When real infants have each skill."""
 
 
 class AgeResult(Model):
@@ -158,13 +153,9 @@ def learn_skill(
     attempts = attempts_of(jobs, way, out, progress)
     results = [AgeResult.of([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
-        _write(result.best, out / f"{skill}_{result.age_months:g}_months")
+        best, name = result.best, f"{skill}_{result.age_months:g}_months"
+        if best.movement:
+            write_postures(best.movement, out / f"{name}.json")
+        elif best.policy:
+            write_file(out / f"{name}.zip", (out / best.policy).read_bytes())
     return SkillReport.of(skill, results, bodies_of(child, ages))
-
-
-def _write(attempt: Attempt, path: Path) -> None:
-    """Write the movement or the policy of an attempt, if it has any."""
-    if attempt.movement:
-        write_postures(attempt.movement, path.with_name(f"{path.name}.json"))
-    elif attempt.policy:
-        write_file(path.with_name(f"{path.name}.zip"), (path.parent / attempt.policy).read_bytes())

@@ -21,26 +21,21 @@ HOLDING = ("hand1", "hand2", "hand3", "fingers")
 """Joints that move, without `robot:` and without their side; all others are left quiet, so that a search has fewer
 numbers. `fingers` are all of their joints."""
 FINGERS = ("th", "ff", "mf", "rf", "lf")
-SWAY_STEP = 0.5
-"""What a unit of the vector is of a gain from what is felt to a share."""
+SWAY_STEP = 0.5  # What a unit of the vector is of a gain from what is felt to a share.
 
 
 @dataclass(frozen=True)
 class Recipe:
     """A kind of movement."""
 
-    joints: tuple[str, ...]
-    """The joints that move, without their side."""
+    joints: tuple[str, ...]  # The joints that move, without their side.
     postures: int
     posture_s: float
     moving_s: float
-    is_symmetric: bool = False
-    """Whether both sides do the same, but for what is felt of falling to a side."""
+    is_symmetric: bool = False  # Whether both sides do the same, but for what is felt of falling to a side.
     repeats: bool = False
-    is_mirrored: bool = False
-    """Whether both sides take turns."""
-    sways: bool = False
-    """Whether the infant leans against falling over."""
+    is_mirrored: bool = False  # Whether both sides take turns.
+    sways: bool = False  # Whether the infant leans against falling over.
     spread: float = 0.6
     """Of the first draws around where the infant begins, or around no command, in shares of half a range."""
     stiffness_per_rad: float = 0.0
@@ -59,27 +54,22 @@ RECIPES: Mapping[str, Recipe] = {
     "walk": Recipe(UPRIGHT, 2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2, stiffness_per_rad=1.0),
     "grasp": Recipe(HOLDING, 2, 1.0, 0.4, spread=0.5),
 }
-"""By skill."""
 
 
 class Form:
     """From vectors to movements of an infant."""
 
     def __init__(self, recipe: Recipe, task: str, age_months: float, joints: tuple[str, ...], start: FloatArray):
-        """Say what a movement is made of.
-
-        Args:
-            recipe: The kind of movement.
-            task: The skill.
-            age_months: The infant's age.
-            joints: All hinges that can be commanded.
-            start: The angle of each at the start, in shares of its range, shape (n,).
-        """
+        """Say what a movement is made of; hinges that can be commanded start at shares of their range, shape (n,)."""
         kept = [place for place, joint in enumerate(joints) if _name(joint) in recipe.joints]
         self.recipe, self.task, self.age_months = recipe, task, age_months
         self.joints = tuple(joints[place] for place in kept)
         self._start = np.clip(start[kept], -1.0, 1.0) if recipe.stiffness_per_rad else np.zeros(len(kept))
-        self._alike, self._opposite = _bases(self.joints)
+        one_side = np.eye(len(self.joints))[[place for place, joint in enumerate(self.joints) if "left_" not in joint]]
+        other_side = mirrored(self.joints, one_side)
+        alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
+        # Postures in which both sides do the same, and in which they do the opposite, shape (b, n) each.
+        self._alike, self._opposite = alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]
         self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
         self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()
 
@@ -112,14 +102,5 @@ class Form:
 
 
 def _name(joint: str) -> str:
-    """Return the name of a joint without `robot:` and side; of those of fingers, `fingers`."""
     name = joint.removeprefix("robot:").removeprefix("left_").removeprefix("right_")
     return "fingers" if name.partition("_")[0] in FINGERS else name
-
-
-def _bases(joints: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-    """Return postures in which both sides do the same, and in which they do the opposite, shape (b, n) each."""
-    one_side = np.eye(len(joints))[[place for place, joint in enumerate(joints) if "left_" not in joint]]
-    other_side = mirrored(joints, one_side)
-    alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
-    return alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]

@@ -23,18 +23,14 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.skills.recipes import RECIPES, Form
 
-DRAWS, KEPT = 40, 8
-"""Movements that are tried in a round, and how many of them are kept for the next one."""
+DRAWS, KEPT = 40, 8  # Movements that are tried in a round, and how many of them are kept for the next one.
 LEAST_SPREAD, SMOOTHING = 0.15, 0.7
 """The least spread, as a share of the first one, and how far the kept ones move mean and spread."""
-EXPLORED = 0.5
-"""Share of the rounds in which what is kept is not tried again."""
+EXPLORED = 0.5  # Share of the rounds in which what is kept is not tried again.
 PASSED, CHECKS = 0.9, 8
 """The rounds end when a kept movement has had the skill in this share of at least so many starts."""
-CHECKED = 0.1
-"""Share of the tries with which the mean and the kept movements are told apart in the end."""
-FIRST_TEST = 20_000
-"""Seed of the first start in which the result of a search is measured."""
+CHECKED = 0.1  # Share of the tries with which the mean and the kept movements are told apart in the end.
+FIRST_TEST = 20_000  # Seed of the first start in which the result of a search is measured.
 FIRST_TRY, FIRST_CHECK = 1_000_000, 500_000
 """Seed of the first start of a search, times its own seed and one, and how much further those of its checks begin."""
 
@@ -44,24 +40,18 @@ class Outcome:
     """What a search has found."""
 
     movement: Postures
-    success: float
-    """Share of starts that the search has not seen in which the infant has the skill."""
-    tried: int
-    """Number of episodes that were tried."""
-    curve: tuple[float, ...]
-    """Mean score of the kept movements, in each round."""
+    success: float  # Share of starts that the search has not seen in which the infant has the skill.
+    tried: int  # Number of episodes that were tried.
+    curve: tuple[float, ...]  # Mean score of the kept movements, in each round.
 
 
 @dataclass(frozen=True)
 class Candidate:
     """A movement that may be the best, and what came of it."""
 
-    vector: FloatArray
-    """The numbers that it is made from, shape (v,)."""
-    scores: tuple[float, ...] = ()
-    """Its score in each start that it was tried in."""
-    successes: tuple[bool, ...] = ()
-    """Whether the infant had the skill, in each of them."""
+    vector: FloatArray  # The numbers that it is made from, shape (v,).
+    scores: tuple[float, ...] = ()  # Its score in each start that it was tried in.
+    successes: tuple[bool, ...] = ()  # Whether the infant had the skill, in each of them.
 
     @property
     def score(self) -> float:
@@ -78,7 +68,6 @@ class Searcher:
     """Tries movements with one infant."""
 
     def __init__(self, env: InfantEnv):
-        """Find what the infant can move; its task is the skill."""
         self.env = env
         env.reset(seed=0)
         joints = tuple(dict.fromkeys(a.joint for a in env.manifest.actuation.actuators if a.commanded))
@@ -109,26 +98,19 @@ class Searcher:
 
 
 def search(
-    env: InfantEnv,
-    seed: int,
-    tries: int = 1000,
-    starts: int = 20,
-    progress: Callable[[int], None] = lambda tried: None,
+    env: InfantEnv, seed: int, tries: int = 1000, starts: int = 20, progress: Callable[[int], None] = lambda tried: None
 ) -> Outcome:
-    """Return the best movement that a search finds for the task of an infant.
+    """Return the best movement that a search finds for a task, measured in *starts* that it has not seen.
 
-    Args:
-        env: The infant.
-        seed: Of the draws, and of the starts they are tried in.
-        tries: How many episodes there are at most, in rounds and in checks of the best; one round at least.
-        starts: In how many other starts the result is measured.
-        progress: Called with how many were tried.
+    There are at most as many tries as asked for, in rounds and in checks of the best; one round at least.
     """
     searcher, random = Searcher(env), np.random.default_rng(seed)
     scale, first = searcher.form.scale(), FIRST_TRY * (seed + 1)
     mean, spread, kept, curve = np.zeros(len(scale)), scale.copy(), list[Candidate](), list[float]()
     rounds = max(1, int(tries * (1 - CHECKED)) // DRAWS)
-    while len(curve) < rounds and not any(_passes(candidate) for candidate in kept):
+    while len(curve) < rounds and not any(
+        len(candidate.successes) >= CHECKS and candidate.success >= PASSED for candidate in kept
+    ):
         lucky, again = (kept, []) if len(curve) < EXPLORED * rounds else ([], kept)
         draws = mean + spread * random.standard_normal((DRAWS - len(again), len(mean)))
         candidates = [*again, *(Candidate(draw) for draw in draws)]
@@ -146,21 +128,12 @@ def search(
     return Outcome(movement, success, tried + checked, tuple(curve))
 
 
-def _passes(candidate: Candidate) -> bool:
-    return len(candidate.successes) >= CHECKS and candidate.success >= PASSED
-
-
 def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tries: int) -> tuple[Candidate, int]:
     """Return the best of some candidates, and the number of tries that this took, by successive halving.
 
-    All are tried in a few starts, the better half of them in more, and so on, until one is left: the one with the
-    skill in most of these starts, or with the best score if that is as many. Without enough tries it is the first one.
-
-    Args:
-        searcher: What tries them.
-        candidates: What was tried of them before does not count.
-        first: Seed of the first of these starts.
-        tries: How many there are at most, the same share of them for each halving.
+    All are tried anew in a few starts, the better half of them in more, and so on, until one is left: the one with the
+    skill in most of these starts, or with the best score if that is as many. Each halving has the same share of all
+    tries; without enough of them it is the first one.
     """
     left, seed, tried = [Candidate(candidate.vector) for candidate in candidates], first, 0
     halvings = (len(left) - 1).bit_length()

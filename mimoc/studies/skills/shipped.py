@@ -1,4 +1,4 @@
-"""When infants can do what was searched for and comes with mimoc, beside real infants."""
+"""When infants can do what was searched for and comes with mimoc, beside real infants, and the plot of a skill."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,10 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.base.errors import MimocError
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.bundle.regular_files import read_json_file
+from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.schema.components.tasks import SKILLS
 from mimoc.studies.growth.plot import AgeRow
-from mimoc.studies.skills.learning import SkillReport
+from mimoc.studies.skills.learning import LEARNT, SkillReport
 
 RESULTS = Path(__file__).with_name("results")
 """What is known of each skill that was searched for or trained; `make skills` renews what was searched for."""
@@ -47,13 +50,39 @@ class SkillsReport:
 
 
 def shipped_skills(folder: Path = RESULTS) -> SkillsReport:
-    """Return all results that come with mimoc, in the order in which infants learn the skills.
-
-    Raises:
-        MimocError: If there are none.
-    """
+    """Return all results that come with mimoc, in the order in which infants learn skills; or raise a MimocError."""
     read = {name: read_json_file(folder / f"{name}.json", SkillReport) for name in SKILLS}
     skills = [skill for skill in read.values() if skill is not None]
     if not skills:
         raise MimocError(f"{folder}: no results of skills; `make skills` makes them")
     return SkillsReport(skills)
+
+
+SUCCESS = Quantity("success_rate", "Success", "1")
+
+
+def skill_sheet(report: SkillReport) -> Sheet:
+    """Return success by age with its intervals, each search as a dot, over the ages of real infants."""
+    ages = [result.age_months for result in report.ages]
+    low, high = zip(*(result.interval for result in report.ages), strict=True)
+    real = report.real_infants
+    window = real.youngest_months, real.oldest_months
+    searches = [(result.age_months, attempt.success) for result in report.ages for attempt in result.searches]
+    plot = Plot(
+        x=AGE,
+        y=SUCCESS,
+        lines=(
+            Line(ages, [result.success for result in report.ages], "all searches"),
+            *(Line((age,) * 2, (0.0, 1.0), "", "median") for age in real.ages[1:-1]),
+        ),
+        bands=(
+            Band(window, (0.0, 0.0), (1.0, 1.0), "real infants (line: usual)", "window"),
+            Band(ages, low, high, "95 %"),
+        ),
+        dots=(Dots([age for age, _ in searches], [share for _, share in searches], "each search"),),
+        title=f"{report.skill.replace('_', ' ')}: share of starts with success",
+        x_range=(min([*ages, real.youngest_months]) - 0.5, max([*ages, real.oldest_months]) + 0.5),
+        y_range=(-0.03, 1.03),
+        level=LEARNT,
+    )
+    return Sheet((plot,))

@@ -10,9 +10,8 @@ from mimoc.base.errors import SpecError
 from mimoc.compiler import pipeline
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.processes import process_pool
-from mimoc.studies.skills.attempt import Attempt, problem_of
-from mimoc.studies.skills.attempts import Job, ProgressCallback
+from mimoc.studies.kept_results import process_pool
+from mimoc.studies.skills.attempts import Attempt, Job, ProgressCallback, problem_of
 from mimoc.studies.skills.search import FIRST_TEST
 from mimoc.training import Training, evaluate, load_policy
 from mimoc.training.group import Wish, train_together
@@ -36,18 +35,7 @@ def trainings(
     out: Path,
     processes: int,
 ) -> Iterator[tuple[int, Attempt]]:
-    """Train a policy for each of some infants and seeds on a device, and yield the place of each and what came of it.
-
-    Args:
-        jobs: Infants and seeds.
-        progress: Called with the number of control steps done, and of all.
-        steps: Control steps of each training.
-        starts: Number of starts in which each policy is measured.
-        device: Where the infants live.
-        envs: Number of infants of each training.
-        out: Folder of the results.
-        processes: How many policies are measured side by side.
-    """
+    """Train policies for infants with seeds on a device side by side; yield the place of each and what came of it."""
     wishes, names = dict[int, Wish](), dict[int, str]()
     for place, (spec, seed) in enumerate(jobs):
         try:
@@ -79,7 +67,6 @@ def while_learning(spec: InfantSpec) -> InfantSpec:
 
 
 def _measured(spec: InfantSpec, seed: int, name: str, training: Training, starts: int) -> Attempt:
-    """Return what comes of a policy on the CPU, without help."""
     env = open_infant(spec)
     episodes = evaluate(env, load_policy(training.policy), episodes=starts, seed=FIRST_TEST)
     env.close()

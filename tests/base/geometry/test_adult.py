@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.base.geometry.adult import SIDES, SIGNS, Adult, Palm, neck
-from mimoc.base.geometry.arms import reach
+from mimoc.base.geometry.adult import SIDES, SIGNS, Adult, Palm, neck, reach
 from mimoc.base.geometry.leaning import UP, lean
 from mimoc.base.geometry.rotations import direction, matrix_from_axis
 from mimoc.components.companions.caregiver.run_motion import PEAK, HandPath, minimum_jerk, turn_between, turned

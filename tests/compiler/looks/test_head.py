@@ -8,8 +8,7 @@ import pytest
 from support.skin_bodies import child
 
 from mimoc.compiler.looks.skin.deformation import skin_of
-from mimoc.compiler.looks.skin.hair import BARE, CLEAR, GROWTH, density, growth_at
-from mimoc.compiler.looks.skin.head import deform_head
+from mimoc.compiler.looks.skin.head import BARE, CLEAR, GROWTH, deform_head, density, growth_at
 from mimoc.compiler.looks.skin.template_mesh import template_mesh
 
 AGES_MONTHS = (0, 3, 6, 12, 24)

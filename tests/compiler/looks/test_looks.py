@@ -18,8 +18,17 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.world import load_world_model
 from mimoc.compiler.explain import explain
 from mimoc.compiler.looks.appearance import SKIN_MATERIALS, add_materials, dress_skin
-from mimoc.compiler.looks.colours import EYES, HAIR, INKS, SKINS, inks_of
-from mimoc.compiler.looks.palettes import coloured_picture, mixed, mixtures, with_palette
+from mimoc.compiler.looks.colours import (
+    EYES,
+    HAIR,
+    INKS,
+    SKINS,
+    coloured_picture,
+    inks_of,
+    mixed,
+    mixtures,
+    with_palette,
+)
 from mimoc.compiler.looks.pictures import read_picture
 from mimoc.compiler.mjcf.furniture import Appearance
 from mimoc.compiler.variants import SpecVariants, at_age, at_age_unchecked

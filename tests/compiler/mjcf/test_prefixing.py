@@ -8,7 +8,7 @@ from lxml import etree
 import mimoc
 from mimoc.compiler.building import builder
 from mimoc.compiler.mjcf import printing
-from mimoc.compiler.mjcf.prefixing import prefixed_scene
+from mimoc.compiler.mjcf.printing import prefixed_scene
 
 INFANTS = {
     "mitten": {},

@@ -14,8 +14,7 @@ from mimoc.base.errors import KindError, SpecError
 from mimoc.compiler.explain import explain
 from mimoc.compiler.mjcf.furniture import WorldMaterial
 from mimoc.compiler.mjcf.world import ObjectBody
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
 from mimoc.compiler.objects.pieces import solid
 from mimoc.schema.components.objects import OBJECTS
 from mimoc.schema.json_schema import json_schema

@@ -16,7 +16,7 @@ from support.scenes_of_objects import TOUCH_M, deepest_m, drift_m
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.bundle.model import load_posed
-from mimoc.components.objects.shape.spec import OF_MOTIONS, SIZES
+from mimoc.components.objects.shape import OF_MOTIONS, SIZES
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.objects import USUAL
 

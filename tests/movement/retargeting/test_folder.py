@@ -10,7 +10,7 @@ from mimoc.base.errors import MimocError, OutputError
 from mimoc.motion.joint_motion import JointMotion
 from mimoc.movement.retargeting import folder as folders
 from mimoc.movement.retargeting.folder import altered, write_retargeted
-from mimoc.viewer.filmed_points import points_of
+from mimoc.viewer.episode_page import points_of
 
 SPEC = {
     "mimoc": 1,

@@ -15,8 +15,8 @@ from mimoc.compiler.provenance import who_percentiles
 from mimoc.motion.body_points import locate
 from mimoc.movement.report import measure_all
 from mimoc.movement.retargeting import fitting
+from mimoc.movement.retargeting.fitting import INTERRUPTED
 from mimoc.movement.retargeting.result import QUANTILE, Retargeted
-from mimoc.movement.retargeting.running import INTERRUPTED
 from mimoc.movement.retargeting.sizes import lengths_of
 from mimoc.movement.sources import films_in
 from mimoc.viewer.growth import describe_standards

@@ -7,9 +7,8 @@ from support.retargeting import child, problem_and_state, setting
 
 from mimoc.compiler.measuring import compile_infant
 from mimoc.motion.body_points import body_points
-from mimoc.movement.retargeting.hinges import combined_limits, hinges_of
 from mimoc.movement.retargeting.sizes import SIZES, at_sizes, compile_child, lengths_of, resized
-from mimoc.movement.retargeting.skeleton import exponential, rotation_vector
+from mimoc.movement.retargeting.skeleton import combined_limits, exponential, hinges_of, rotation_vector
 
 STEP = 1e-6
 

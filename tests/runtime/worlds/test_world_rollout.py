@@ -6,9 +6,9 @@ from support.store import built
 from support.worlds import ANNA, BEN, placed, world
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.policies.interface import interface_of
 from mimoc.policies.many import policy_vec
 from mimoc.policies.named import policy_of
+from mimoc.policies.policy_file import interface_of
 from mimoc.policies.rollout import Run, rollout
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.runtime.world_env import WorldEnv

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import pytest
 
-from mimoc.studies.experiments.effort import GROUPS, strengths
 from mimoc.studies.experiments.resting import rest
+from mimoc.studies.experiments.strength import GROUPS, strengths
 from mimoc.studies.milestones import Conditions, Outcome, search as milestone_searches
 from mimoc.studies.milestones.search import Case, forget_searches, run_searches, walk
 

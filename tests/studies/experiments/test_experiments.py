@@ -15,9 +15,9 @@ from mimoc.base.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.bundle.model import load_model
 from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS, run_experiment
 from mimoc.studies.experiments.delays import reaching
-from mimoc.studies.experiments.effort import lying
-from mimoc.studies.experiments.figures import figures_of
 from mimoc.studies.experiments.inverse import sitting
+from mimoc.studies.experiments.notebook import figures_of
+from mimoc.studies.experiments.strength import lying
 
 TRAIN = "mimoc.studies.experiments.learner.train"
 SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS, delays
-from mimoc.studies.experiments.figures import Figure, figure_rows, figures_of
+from mimoc.studies.experiments.notebook import Figure, figure_rows, figures_of
 
 
 def row(paper: str, measured) -> tuple[str, ...]:

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.studies.experiments.infant_reaches import DELAYS, infant
+from mimoc.studies.experiments.late_reaches import DELAYS, infant_of_age
 from mimoc.studies.experiments.sensed_reaching import TOUCHED_M, SensedController, place_in_front, reach_once
 
 
 @pytest.fixture(scope="module")
 def undelayed() -> mimoc.Bundle:
     """Return an infant of six months without delays or noise."""
-    return mimoc.build(infant(6, "none").with_(noise=None))
+    return mimoc.build(infant_of_age(6, "none").with_(noise=None))
 
 
 def test_without_delay_and_noise_it_arrives_as_slowly_as_infants_do(undelayed):
@@ -40,9 +40,9 @@ def test_the_controller_acts_on_what_is_sensed_and_not_on_what_is(undelayed):
 
 @pytest.mark.parametrize("delay", DELAYS)
 def test_infants_differ_in_nothing_but_age_and_delay(delay):
-    young, old = infant(4, delay), infant(9, delay)
+    young, old = infant_of_age(4, delay), infant_of_age(9, delay)
     assert young.with_(age_months=9) == old
-    assert young.with_(delays=None, noise={"delay_jitter_ms": None}) == infant(4, "none")
+    assert young.with_(delays=None, noise={"delay_jitter_ms": None}) == infant_of_age(4, "none")
 
 
 def test_a_reach_that_is_given_up_has_not_arrived(undelayed):

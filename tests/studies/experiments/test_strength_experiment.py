@@ -3,13 +3,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mimoc.studies.experiments.effort import BEHAVIOURS, Effort, efforts
-from mimoc.studies.experiments.figures import figures_of
+from mimoc.studies.experiments.notebook import figures_of
 from mimoc.studies.experiments.strength import (
+    BEHAVIOURS,
     PAPER_MONTHS,
     SIZES,
     TARGET_DEG,
+    Effort,
     age_of,
+    efforts,
     gets_as_far_with_age,
     is_faster_with_age,
 )

@@ -9,7 +9,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.policies import skill
 from mimoc.policies.postures import read_postures
 from mimoc.schema.components.tasks import SKILLS
-from mimoc.studies.skills.attempt import Attempt
+from mimoc.studies.skills.attempts import Attempt
 from mimoc.studies.skills.learning import AgeResult, SkillReport
 from mimoc.studies.skills.shipped import RESULTS, shipped_skills
 

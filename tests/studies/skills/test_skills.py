@@ -7,7 +7,7 @@ import pytest
 
 import mimoc
 from mimoc.schema.components.tasks import SKILLS
-from mimoc.studies.skills.attempt import Attempt
+from mimoc.studies.skills.attempts import Attempt
 from mimoc.studies.skills.learning import REAL_AGES, AgeResult, SkillReport, learn_skill
 from mimoc.studies.skills.recipes import RECIPES, Form
 from mimoc.studies.skills.search import DRAWS, search

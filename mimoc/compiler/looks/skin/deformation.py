@@ -14,8 +14,7 @@ from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.looks.skin.garments import OUTFITS, Piece, dressed
-from mimoc.compiler.looks.skin.hair import hair_over
-from mimoc.compiler.looks.skin.head import deform_head
+from mimoc.compiler.looks.skin.head import deform_head, hair_over
 from mimoc.compiler.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
 from mimoc.compiler.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
 from mimoc.compiler.mjcf.skin import Skin, SkinLayer
@@ -89,18 +88,15 @@ class _Carrying:
         verts_m = self._on_solids(mesh, verts_m, sizes, lost)
         sizes = sizes * (1 - lost)
         normals = normals_of(verts_m, mesh.faces)
-        verts_m = verts_m + (self._fullness_m() * sizes)[:, None] * normals
+        # How much fuller than its solids each vertex of the reference child would be at the child's age.
+        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
+        for index, unit in enumerate(np.eye(len(ages))):
+            share[index] = np.interp(self.tree.age_months, ages, unit)
+        verts_m = verts_m + ((share @ self.sculpted.fullness_m) * sizes)[:, None] * normals
         normals = normals_of(verts_m, mesh.faces)
         for piece in dressed(self.sculpted, self.tree.clothes):
             lifts_m = piece.lifts_m * sizes[piece.sources]
             yield self._layer(piece, verts_m[piece.sources] + lifts_m[:, None] * normals[piece.sources], lost)
-
-    def _fullness_m(self) -> FloatArray:
-        """Return how much fuller than its solids each vertex of the reference child would be at the child's age."""
-        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
-        for index, unit in enumerate(np.eye(len(ages))):
-            share[index] = np.interp(self.tree.age_months, ages, unit)
-        return share @ self.sculpted.fullness_m
 
     def _layer(self, piece: Piece, verts_m: FloatArray, lost: FloatArray) -> SkinLayer:
         """Return a layer whose vertices are given, without what missing limbs moved."""

@@ -145,6 +145,8 @@ def assembled(arrays: Arrays, head: Arrays) -> Sculpture:
     """
     parts, solids = _names(arrays, "parts", "bones"), _names(arrays, "solids", "near")
     mesh = {field.name: _fixed(arrays[field.name]) for field in fields(SculptedMesh) if field.name != "offsets_m"}
+    names = ("ages_months", "at_ages_m", "lids", "faces", "texcoords", "half_axes_m", "eye_m")
+    expressions = [name.removeprefix("moves/") for name in head if name.startswith("moves/")]
     return Sculpture(
         parts=parts,
         parents=MappingProxyType(
@@ -162,7 +164,13 @@ def assembled(arrays: Arrays, head: Arrays) -> Sculpture:
         ),
         ages_months=_fixed(arrays["ages_months"]),
         fullness_m=arrays["fullness_100um"] * 1e-4,
-        head=_head(head),
+        head=SculptedHead(
+            **{name: _fixed(head[name]) for name in names},
+            moves_m=MappingProxyType({name: _fixed(head[f"moves/{name}"] * MOVE_M) for name in expressions}),
+            lids_by_expression=MappingProxyType({name: _fixed(head[f"lids/{name}"]) for name in expressions}),
+            eye_radius_m=float(head["eye_radius_m"]),
+            hair=SculptedHair(**{field.name: _fixed(head[f"hair/{field.name}"]) for field in fields(SculptedHair)}),
+        ),
     )
 
 
@@ -182,18 +190,6 @@ def _garment(arrays: Arrays, index: int) -> Garment:
         is_covered=(arrays["covers"] >> index & 1).astype(bool),
         lifts_m=arrays["lifts_50um"][index] * 5e-5,
         texcoords=_fixed(across),
-    )
-
-
-def _head(arrays: Arrays) -> SculptedHead:
-    names = ("ages_months", "at_ages_m", "lids", "faces", "texcoords", "half_axes_m", "eye_m")
-    expressions = [name.removeprefix("moves/") for name in arrays if name.startswith("moves/")]
-    return SculptedHead(
-        **{name: _fixed(arrays[name]) for name in names},
-        moves_m=MappingProxyType({name: _fixed(arrays[f"moves/{name}"] * MOVE_M) for name in expressions}),
-        lids_by_expression=MappingProxyType({name: _fixed(arrays[f"lids/{name}"]) for name in expressions}),
-        eye_radius_m=float(arrays["eye_radius_m"]),
-        hair=SculptedHair(**{field.name: _fixed(arrays[f"hair/{field.name}"]) for field in fields(SculptedHair)}),
     )
 
 

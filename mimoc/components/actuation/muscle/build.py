@@ -111,16 +111,9 @@ def parameters(motor: Motor, joint: Joint, stroke: Stroke = MIMOS) -> tuple[floa
         negative, positive = motor.fmax
     else:
         negative, positive = (stroke.peak * motor.gear_nm * abs(share) / arm for share in motor.force_range)
-    return _vmax(motor, joint, stroke), negative, positive
-
-
-def _vmax(motor: Motor, joint: Joint, stroke: Stroke) -> float:
-    """Return the speed at which the muscles of a motor no longer pull, in optimal lengths a second.
-
-    Joints are as fast as with MIMo's, by the law `maturing` at least as fast as any; with MIMo's, newborns cannot kick.
-    """
-    as_mimos = motor.vmax_lengths_per_s * stroke.width / MIMOS.width
-    return max(as_mimos, (motor.fastest_rad_s or 0.0) * _moment_arm(joint, stroke))
+    # As fast as with MIMo's; by the law `maturing` at least as fast as any, since newborns could not kick with MIMo's.
+    vmax = max(motor.vmax_lengths_per_s * stroke.width / MIMOS.width, (motor.fastest_rad_s or 0.0) * arm)
+    return vmax, negative, positive
 
 
 def _moment_arm(joint: Joint, stroke: Stroke) -> float:

@@ -26,7 +26,7 @@ import numpy as np
 
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.base.units import deg_to_rad
-from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
+from mimoc.body.kinematics import hinges, pose
 from mimoc.body.origins import REFERENCE
 from mimoc.body.strength import FASTEST_RAD_S
 from mimoc.body.tone import tone_origin
@@ -49,7 +49,14 @@ def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
     moved = np.array([[body.name in moved_by[joint] for body in tree.bodies for _ in body.geoms] for joint in joints])
     for angles_rad in _spread_poses(tree):
         anchors, axes = (np.array(column) for column in zip(*hinges(tree, angles_rad).values(), strict=True))
-        by_pose.append(_inertias(pose(tree, angles_rad), moved, anchors, axes))
+        # The inertia about each joint's axis of all parts that it moves, shape (joints,).
+        posed = pose(tree, angles_rad)
+        masses = np.array([geom.mass_kg for geom in posed.geoms])
+        arms = np.cross(posed.centres - anchors[:, None], axes[:, None])
+        gyrations = np.array([_gyration_squares(geom) for geom in posed.geoms])
+        local = np.einsum("gij,ki->kgj", posed.rotations, axes)
+        squares = (arms**2).sum(axis=2) + (local**2 * gyrations).sum(axis=2)
+        by_pose.append((moved * masses * squares).sum(axis=1))
     armatures = np.array([joint.armature_kgm2 for joint in joints.values()])
     least, largest = np.min(by_pose, axis=0) + armatures, np.max(by_pose, axis=0) + armatures
     return dict(zip(joints, zip(least.tolist(), largest.tolist(), strict=True), strict=True))
@@ -76,7 +83,6 @@ def _sideless(joint: str) -> str:
 
 
 def _moved(tree: BodyTree) -> dict[str, list[str]]:
-    """Return the bodies that each joint moves."""
     above: dict[str | None, list[str]] = {None: []}
     moved: dict[str, list[str]] = {joint: [] for joint in tree.joints}
     for body in tree.bodies:
@@ -84,16 +90,6 @@ def _moved(tree: BodyTree) -> dict[str, list[str]]:
         for joint in above[body.name]:
             moved[joint].append(body.name)
     return moved
-
-
-def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatArray) -> FloatArray:
-    """Return the inertia about each joint's axis of all parts that it moves, shape (joints,)."""
-    masses = np.array([geom.mass_kg for geom in posed.geoms])
-    arms = np.cross(posed.centres - anchors[:, None], axes[:, None])
-    gyrations = np.array([_gyration_squares(geom) for geom in posed.geoms])
-    local = np.einsum("gij,ki->kgj", posed.rotations, axes)
-    squares = (arms**2).sum(axis=2) + (local**2 * gyrations).sum(axis=2)
-    return (moved * masses * squares).sum(axis=1)
 
 
 def _gyration_squares(geom: Geom) -> tuple[float, float, float]:
@@ -245,7 +241,6 @@ def _servo(motor: Motor, joint: Joint, least_kgm2: float, largest_kgm2: float, s
 
 
 def _tone(motor: Motor) -> AffineBias:
-    """Return what muscle tone adds to the bias of a servo."""
     stiffness, moment_nm = hinge_tone(motor) or (0.0, 0.0)
     return AffineBias(moment_nm, -stiffness, 0.0)
 
@@ -279,6 +274,5 @@ def _damping(motor: Motor, joint: Joint) -> float:
 
 
 def _range(joint: Joint) -> tuple[float, float]:
-    """Return middle and half width of a hinge's range, in [rad]."""
     low, high = map(deg_to_rad, joint.range_deg)
     return (low + high) / 2, (high - low) / 2

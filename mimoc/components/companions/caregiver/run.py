@@ -16,8 +16,7 @@ from mimoc.components.companions.caregiver.run_infant import Infant, Onsets
 from mimoc.runtime.companion import Companion
 from mimoc.runtime.sound import SILENT_AFTER_MS, Sound, SoundSources, step_of
 from mimoc.runtime.voice import Voice
-from mimoc.schema.caregiver import CaregiverEntry
-from mimoc.schema.caregiver_acts import ACTS
+from mimoc.schema.caregiver import ACTS, CaregiverEntry
 
 NAME = "caregiver"
 SMILE_MS, VOICE_MS = 1500.0, 400.0
@@ -200,7 +199,7 @@ class Caregiver(Companion):
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
         """Return what it has said and can still be heard."""
         now_ms = 1000 * data.time
-        self._said = [said for said in self._said if self._ends_ms(said) + SILENT_AFTER_MS > now_ms]
+        self._said = [said for said in self._said if (said[0] * self._timestep_ms + said[1]) + SILENT_AFTER_MS > now_ms]
         return [self._sound(*said) for said in self._said]
 
     @property
@@ -227,7 +226,6 @@ class Caregiver(Companion):
         self._yoked_next, self.orders = 0, []
 
     def _answer(self, step: int, data: mujoco.MjData) -> None:
-        """Begin the answers that are due."""
         answers = self.entry.answers
         while self._yoked_next < len(self._yoked) and self._yoked[self._yoked_next] <= step:
             self._yoked_next += 1
@@ -255,7 +253,6 @@ class Caregiver(Companion):
         details: Mapping[str, float],
         data: mujoco.MjData,
     ) -> None:
-        """Begin an act."""
         self._acts.append((step, act, what))
         if infant is not None:
             self._attend(infant, data)
@@ -309,9 +306,6 @@ class Caregiver(Companion):
     def _steps(self, time_ms: float) -> int:
         return to_steps(time_ms, self._timestep_ms)
 
-    def _ends_ms(self, said: tuple[Any, ...]) -> float:
-        return said[0] * self._timestep_ms + said[1]
-
     def _sound(self, step: int, duration_ms: float, pitch_hz: float, level_db: float) -> Sound:
         return Sound(step, duration_ms, pitch_hz, level_db, "voice", NAME, self.body.head, self.entry.mouth_m)
 
@@ -324,7 +318,6 @@ REMEMBERED = (
 
 
 def _split(order: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of an act from what was asked."""
     numbers = {key: value for key, value in order.items() if key not in ("act", "what", "infant")}
     return {"act": order["act"], "what": order["what"], "infant": order.get("infant"), "details": numbers}
 

@@ -83,7 +83,10 @@ class CaregiverBody:
         self.paths: dict[Side, HandPath | None] = dict.fromkeys(SIDES)
         for wider_m in WIDER_M:
             self.palms = {side: self.adult.resting(self._trunk, side, wider_m) for side in SIDES}
-            self._place(data)
+            for name, frame in self._placed.items():
+                _write(self._mocap[name], frame, data)
+            for side in SIDES:
+                self.put(side, self.palms[side], data)
             mujoco.mj_forward(self._model, data)
             if not self.touches(data):
                 break
@@ -225,13 +228,6 @@ class CaregiverBody:
             return
         turn["seen_m"] = face_m.tolist()
         _write(self._mocap["head"], (self._head_m, self._gaze(data, infant)), data)
-
-    def _place(self, data: mujoco.MjData) -> None:
-        """Put all bodies where they are at the start."""
-        for name, frame in self._placed.items():
-            _write(self._mocap[name], frame, data)
-        for side in SIDES:
-            self.put(side, self.palms[side], data)
 
     def _contacts(self, geoms: np.ndarray, data: mujoco.MjData, infant: Infant | None = None) -> np.ndarray:
         """Return which contacts are of some geoms with an infant, or any, with the sign of their side: 1 is first."""

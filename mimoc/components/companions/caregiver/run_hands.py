@@ -9,7 +9,6 @@ import numpy as np
 
 from mimoc.base.geometry.adult import SIDES, Palm, Side
 from mimoc.base.geometry.leaning import UP
-from mimoc.base.geometry.rotations import FloatArray
 from mimoc.components.companions.caregiver.run_body import CaregiverBody
 from mimoc.components.companions.caregiver.run_infant import Infant
 from mimoc.components.companions.caregiver.run_motion import HandPath
@@ -49,7 +48,6 @@ class Hands:
     def __init__(
         self, body: CaregiverBody, infants: Mapping[str, Infant], objects: Mapping[str, Offered], model: mujoco.MjModel
     ):
-        """Let the hands of a body rest."""
         self._body, self._infants, self._objects, self._model = body, infants, objects, model
         self.reset()
 
@@ -70,7 +68,7 @@ class Hands:
 
     def hold(self, body: int, infant: str, weight_share: float | None, data: mujoco.MjData) -> None:
         """Hold a part of an infant: with the nearest hand, or carry a share of its weight with both."""
-        middle_m = self._middle_m(body, data)
+        middle_m = data.xipos[body].copy()
         near = min(SIDES, key=lambda one: float(np.linalg.norm(self._body.shoulder_m(one) - middle_m)))
         for side in SIDES if weight_share is not None else (near,):
             self._free(side, data)
@@ -132,7 +130,6 @@ class Hands:
         self._body.move(side, Palm(path.end_m, path.end_normal), middle_m + OVER_M * UP)
 
     def _go_on(self, side: Side, task: dict[str, Any], data: mujoco.MjData) -> None:
-        """Begin what follows an arrival."""
         self._body.paths[side] = None
         if task["does"] == "fetch":
             item = self._objects[task["object"]]
@@ -157,12 +154,7 @@ class Hands:
         way = way / np.linalg.norm(way)
         return Palm(place_m + (WITHIN_REACH_M + item.radius_m) * way + (item.radius_m + ABOVE_M) * UP, -UP)
 
-    def _middle_m(self, body: int, data: mujoco.MjData) -> FloatArray:
-        """Return the middle of a part of the infant: its centre of mass."""
-        return data.xipos[body].copy()
-
     def _free(self, side: Side, data: mujoco.MjData) -> None:
-        """Let go of what a hand holds."""
         self._body.let_go(side, data)
         self._body.paths[side] = None
 

@@ -26,7 +26,6 @@ class Infant:
     """An infant as a caregiver sees it, by names of the manifest."""
 
     def __init__(self, manifest: Manifest, model: mujoco.MjModel):
-        """Look up its parts."""
         anatomy = manifest.anatomy
         self.root = model.body(manifest.root_body).id
         inside = in_subtrees(model, [self.root])
@@ -71,7 +70,6 @@ class Onsets:
     """
 
     def __init__(self, to: str, infant: Infant, kick_m: float, timestep_s: float):
-        """Tell when what is named begins."""
         self._begins: Callable[[mujoco.MjData, FloatArray, bool], bool] = {
             "kick": self._kicks,
             "gaze": self._looks,

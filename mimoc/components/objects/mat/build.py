@@ -6,10 +6,9 @@ from mimoc.base.units import cm_to_m
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.objects.boards import UNTURNED, Surface, board, finish, fixed_object, softened
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
 from mimoc.compiler.objects.starts import FurnitureStart, State, turned
-from mimoc.components.objects.mat.spec import MatSpec
+from mimoc.components.objects.mat import MatSpec
 
 
 def build(spec: MatSpec, surroundings: Surroundings) -> BuiltObject:

@@ -29,13 +29,12 @@ from mimoc.body.origins import Entry
 from mimoc.compiler.mjcf.elements import Site
 from mimoc.compiler.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.compiler.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, Tie
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, Tie, object_name
 from mimoc.compiler.objects.pieces import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
 from mimoc.compiler.toys.choosing import DARK, LIGHT, Toy
 from mimoc.compiler.toys.objects import centre_of_mass, materials_of, pieces_of
 from mimoc.compiler.toys.shape import Tint
-from mimoc.components.objects.mobile.spec import MobileSpec
+from mimoc.components.objects.mobile import MobileSpec
 from mimoc.components.toys.builtin import load_toy
 
 HUB_M, HUB_KG = 0.018, 0.05
@@ -100,7 +99,10 @@ def build(spec: MobileSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a mobile that hangs still."""
     name, count = object_name(spec.name), len(spec.figures)
     figures = [_figure(spec, number, f"{name}_figure{number + 1}") for number in range(count)]
-    arm_m = max(cm_to_m(spec.arm_cm or 0.0), _least_arm_m(figures))
+    # How long arms must be: figures across them do not reach the bell, nor beyond halfway to the next one.
+    long_m = max(figure.half_m[0] for figure in figures)
+    halfway = math.tan(math.pi / len(figures)) if len(figures) > 2 else math.inf
+    arm_m = max(cm_to_m(spec.arm_cm or 0.0), _thickest_m(figures) + GAP_M + max(BELL_M, long_m / halfway))
     reach_m = arm_m + max(math.hypot(*figure.half_m[:2]) for figure in figures)
     layout = Layout(cm_to_m(spec.cord_cm), arm_m, max(figure.half_m[2] for figure in figures), 0.0)
     layout = replace(layout, radius_m=min(arm_m - _thickest_m(figures) - GAP_M, LARGEST_BELL_M))
@@ -125,13 +127,6 @@ def build(spec: MobileSpec, surroundings: Surroundings) -> BuiltObject:
         tie=Tie(spec.tied_to, f"{name}_hub", cm_to_m(spec.slack_cm), RIBBON) if spec.tied_to else None,
         origins={"mass": mass},
     )
-
-
-def _least_arm_m(figures: Sequence[Figure]) -> float:
-    """Return how long arms must be: figures across them do not reach the bell, nor beyond halfway to the next one."""
-    long_m = max(figure.half_m[0] for figure in figures)
-    halfway = math.tan(math.pi / len(figures)) if len(figures) > 2 else math.inf
-    return _thickest_m(figures) + GAP_M + max(BELL_M, long_m / halfway)
 
 
 def _thickest_m(figures: Sequence[Figure]) -> float:

@@ -13,11 +13,10 @@ from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.furniture import RAIL_IN_CHILDREN, RAIL_RADIUS_M, rail_height
 from mimoc.compiler.objects.boards import bar, finish, fixed_object, post
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
 from mimoc.compiler.objects.starts import FurnitureStart, State
 from mimoc.compiler.task_setup import Hold, Side
-from mimoc.components.objects.rail.spec import RailSpec
+from mimoc.components.objects.rail import RailSpec
 from mimoc.components.tasks.standup.build_grip import KNUCKLES, arm_to_bar, curled, grip_point
 from mimoc.schema.names import SIDES
 

@@ -1,11 +1,9 @@
 """A screen."""
 
 from mimoc.base.units import cm_to_m
-from mimoc.compiler.objects.boards import board, finish, fixed_object
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
-from mimoc.compiler.objects.picture import show
-from mimoc.components.objects.screen.spec import ScreenSpec
+from mimoc.compiler.objects.boards import board, finish, fixed_object, show
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
+from mimoc.components.objects.screen import ScreenSpec
 
 THICKNESS_M, POST_M, FOOT_M = 0.02, 0.02, 0.01
 """Thickness of the panel, breadth of the post behind it, and thickness of its foot."""

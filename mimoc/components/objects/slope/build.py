@@ -9,10 +9,9 @@ from mimoc.base.geometry.rotations import quaternion_from_axis
 from mimoc.base.units import cm_to_m, deg_to_rad
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.objects.boards import ACROSS, board, finish, fixed_object
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
 from mimoc.compiler.objects.starts import FurnitureStart, State, turned
-from mimoc.components.objects.slope.spec import SlopeSpec
+from mimoc.components.objects.slope import SlopeSpec
 
 THICKNESS_M = 0.02
 

@@ -2,9 +2,8 @@
 
 from mimoc.base.units import cm_to_m
 from mimoc.compiler.objects.boards import board, finish, fixed_object
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
-from mimoc.components.objects.stairs.spec import StairsSpec
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
+from mimoc.components.objects.stairs import StairsSpec
 
 
 def build(spec: StairsSpec, surroundings: Surroundings) -> BuiltObject:

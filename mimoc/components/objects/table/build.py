@@ -8,10 +8,9 @@ from mimoc.body.kinematics import body_reaches
 from mimoc.body.poses import poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.objects.boards import Surface, board, finish, fixed_object
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
 from mimoc.compiler.objects.starts import FurnitureStart, State
-from mimoc.components.objects.table.spec import TableSpec
+from mimoc.components.objects.table import TableSpec
 from mimoc.components.tasks.skills.build_starts import AT_TABLE, CLEAR_M, ON_TABLE, OVER_M
 
 TOP_M, LEG_M = 0.02, 0.04

@@ -1,11 +1,9 @@
 """A wall."""
 
 from mimoc.base.units import cm_to_m
-from mimoc.compiler.objects.boards import board, finish, fixed_object
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
-from mimoc.compiler.objects.picture import show
-from mimoc.components.objects.wall.spec import WallSpec
+from mimoc.compiler.objects.boards import board, finish, fixed_object, show
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
+from mimoc.components.objects.wall import WallSpec
 
 
 def build(spec: WallSpec, surroundings: Surroundings) -> BuiltObject:

@@ -8,10 +8,9 @@ from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.furniture import WorldMaterial
 from mimoc.compiler.objects.boards import Surface, board, fixed_object, seen
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings
-from mimoc.compiler.objects.names import object_name
+from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
 from mimoc.compiler.objects.starts import FurnitureStart, State
-from mimoc.components.objects.water.spec import WaterSpec
+from mimoc.components.objects.water import WaterSpec
 from mimoc.schema.object_base import WATER_KG_M3, WaterEntry
 
 OPACITY = 0.35

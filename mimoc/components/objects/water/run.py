@@ -91,23 +91,11 @@ class Water(Companion):
         data.xfrc_applied[:] = self._others_n
 
     def _immersed(
-        self,
-        turns: FloatArray,
-        centres: FloatArray,
-        data: mujoco.MjData,
-        body: int,
-        low: FloatArray,
-        high: FloatArray,
+        self, turns: FloatArray, centres: FloatArray, data: mujoco.MjData, body: int, low: FloatArray, high: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return the share of each geom in some water, shape (n,), and the centre of what is below its surface, (n, 3).
 
-        Args:
-            turns: Rotations of the geoms, shape (n, 3, 3).
-            centres: Their centres in the world, shape (n, 3).
-            data: The state.
-            body: The water, whose z axis is vertical.
-            low: Its corner in its own frame, shape (3,).
-            high: The opposite one.
+        The water is between two corners in the frame of its body, whose z axis is vertical.
         """
         frame = data.xmat[body].reshape(3, 3)
         axes = self._half_axes[:, None] ** 2 * (frame.T @ turns)  # Row i: A² R' n for the axis i of the water.
@@ -143,7 +131,6 @@ def _half_axes(model: mujoco.MjModel, geom: int) -> FloatArray:
 
 
 def _volume(model: mujoco.MjModel, geom: int) -> float:
-    """Return the volume of a geom, in [m³]."""
     if kind := PRIMITIVES.get(int(model.geom_type[geom])):
         return primitives.volume(kind, model.geom_size[geom].tolist())
     mesh = model.mesh(int(model.geom_dataid[geom]))

@@ -90,24 +90,18 @@ def hang_pictures(
     for number, wall in enumerate(shuffled(generator, walls)[:count]):
         picture = order[number % len(order)]
         sideways, eye_height_m = between(generator, -1, 1), between(generator, *EYE_HEIGHT_M)
-        yield _hung(f"picture_{number + 1}", wall, picture, sideways, eye_height_m), picture
-
-
-def _hung(name: str, wall: Side, picture: Wallpaper, sideways: float, eye_height_m: float) -> WorldGeom:
-    """Return a picture on a wall, smaller or lower than drawn where it would not fit.
-
-    It is as far left as it can be where *sideways* is -1, and as far right where it is 1.
-    """
-    room = [extent - 2 * MARGIN_M for extent in wall.extent_m]
-    scale = min(1.0, *(space / side for space, side in zip(room, picture.tile_m, strict=True)))
-    half_width, half_height = (scale * side / 2 for side in picture.tile_m)
-    along = sideways * (room[0] / 2 - half_width)
-    z = min(eye_height_m, wall.extent_m[1] - MARGIN_M - half_height)
-    x, y, _ = wall.pos_m
-    in_x, in_y, _ = wall.inwards
-    size_m = (half_width, half_height, max(half_width, half_height) / QUADS * 2)
-    pos_m = (x + OFF_THE_WALL_M * in_x - along * in_y, y + OFF_THE_WALL_M * in_y + along * in_x, z)
-    return untouched(WorldGeom(name, "plane", size_m, pos_m, wall.euler_rad, name))
+        # A picture on a wall, smaller or lower than drawn where it would not fit.
+        name = f"picture_{number + 1}"
+        room = [extent - 2 * MARGIN_M for extent in wall.extent_m]
+        scale = min(1.0, *(space / side for space, side in zip(room, picture.tile_m, strict=True)))
+        half_width, half_height = (scale * side / 2 for side in picture.tile_m)
+        along = sideways * (room[0] / 2 - half_width)
+        z = min(eye_height_m, wall.extent_m[1] - MARGIN_M - half_height)
+        x, y, _ = wall.pos_m
+        in_x, in_y, _ = wall.inwards
+        size_m = (half_width, half_height, max(half_width, half_height) / QUADS * 2)
+        pos_m = (x + OFF_THE_WALL_M * in_x - along * in_y, y + OFF_THE_WALL_M * in_y + along * in_x, z)
+        yield untouched(WorldGeom(name, "plane", size_m, pos_m, wall.euler_rad, name)), picture
 
 
 def _trace_room(size_m: Vec3, furniture: Furniture, start: Placement) -> Iterator[tuple[str, Entry]]:
@@ -138,7 +132,6 @@ def _trace_side(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, 
 
 
 def _trace_hung(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, Entry]]:
-    """Yield the numbers of a picture or a lamp."""
     is_picture = geom.material in papers
     aspect, at = "room.pictures" if is_picture else "room.light", f"scene.xml: geom[@name='{geom.name}']"
     rule = drawn_rule("on a wall of its own, at eye height" if is_picture else "in a row on the ceiling", aspect)

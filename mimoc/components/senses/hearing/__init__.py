@@ -5,9 +5,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from mimoc.schema.base import Model
-from mimoc.schema.delay_ages import AGES_MONTHS
 from mimoc.schema.entries import Amount, Body, Length, Number
-from mimoc.schema.kinds import AgeTable, NoiseOption, SenseKind
+from mimoc.schema.kinds import AGES_MONTHS, AgeTable, NoiseOption, SenseKind
 from mimoc.schema.quantities import Whole
 
 HearingOutput = Literal["cochleagram", "waveform", "levels"]

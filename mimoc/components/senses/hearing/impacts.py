@@ -81,7 +81,6 @@ class Resonators:
     """The bodies of a model, and how each sounds."""
 
     def __init__(self, model: mujoco.MjModel, bundle: Bundle):
-        """Find out what each body is made of: the infant, the world, the objects of the scene, or toys."""
         manifest = bundle.manifest
         self.count, self.solid = model.nbody, model.body_weldid.astype(np.intp)
         self._second: IntArray = self.solid[model.geom_bodyid]
@@ -158,7 +157,6 @@ class Contacts:
     """Which bodies have touched lately."""
 
     def __init__(self, resonators: Resonators):
-        """Know of no contact."""
         self._resonators = resonators
         self.last_s: dict[int, float] = {}
         """When two bodies touched last, by number of bodies x the first + the second."""

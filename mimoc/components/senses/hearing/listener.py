@@ -7,6 +7,7 @@ the sense            ^           ^        so that they follow each other without
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -17,13 +18,61 @@ from mimoc.bundle.io import Bundle
 from mimoc.components.senses.hearing import HearingEntry
 from mimoc.components.senses.hearing.impacts import Contacts, Impact, Resonators
 from mimoc.components.senses.hearing.mixing import Mixer, Source
-from mimoc.components.senses.hearing.playback import Playback
 from mimoc.components.senses.hearing.timbres import Head, Timbre, partials_of, resampled
 from mimoc.components.senses.hearing.voices import OtherVoice, OwnVoice, VoiceTrack
 from mimoc.runtime.companion import Companion
 from mimoc.runtime.sense import FloatArray
 from mimoc.runtime.sound import Sound, SoundSources
 from mimoc.runtime.voice import Voice
+
+MAX_SAMPLES = 3_000_000
+"""A minute at 48 kHz."""
+MAX_S = 60.0
+"""Longest sound: whatever its own rate, it is kept at that of the ears."""
+MAX_PA = 1e5
+"""Largest sound pressure: that of the air, below which no sound in air can fall."""
+MAX_M = 1000.0
+"""Largest coordinate of a place."""
+RATES_HZ = 1000.0, 400_000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Playback:
+    """A sound and its place."""
+
+    pressure_pa: FloatArray
+    """Sound pressure at 1 m, shape (n,), [Pa]."""
+    rate_hz: float
+    """Samples per second."""
+    point_m: tuple[float, ...]
+    """Place in the frame of its body, shape (3,)."""
+    body: int
+    """The body that it moves with; 0 is the world."""
+
+
+def checked_playback(pressure_pa: Any, rate_hz: Any, point_m: Any, body: int) -> Playback:
+    """Return a sound, or raise a ValueError that says what is wrong with it."""
+    pressure, place, rate = _numbers(pressure_pa), _numbers(point_m), _numbers(rate_hz)
+    if rate is None or rate.shape != () or not RATES_HZ[0] <= rate <= RATES_HZ[1]:
+        raise ValueError(f"expected a sample rate from {RATES_HZ[0]:g} to {RATES_HZ[1]:g} Hz, got {rate_hz!r:.60}")
+    most = min(MAX_SAMPLES, int(MAX_S * rate))
+    if pressure is None or pressure.ndim != 1 or not 2 <= len(pressure) <= most:
+        shape = "other data" if pressure is None else f"shape {pressure.shape}"
+        raise ValueError(f"expected 2 to {most:,} samples ({MAX_S:g} s at most) of a sound pressure, got {shape}")
+    if not np.abs(pressure).max() <= MAX_PA:
+        raise ValueError(f"expected finite sound pressures of at most {MAX_PA:g} Pa, got {np.abs(pressure).max():g}")
+    if place is None or place.shape != (3,) or not np.abs(place).max() <= MAX_M:
+        raise ValueError(f"expected a place of three numbers of at most {MAX_M:g} m, got {point_m!r:.60}")
+    return Playback(pressure, float(rate), tuple(place.tolist()), body)
+
+
+def _numbers(values: Any) -> FloatArray | None:
+    try:
+        array = np.asarray(values)
+    except ValueError:  # Rows of several lengths.
+        return None
+    return array.astype(np.float64) if array.dtype.kind in "iuf" else None
+
 
 CLOSE_DB = 10.0
 """Impacts end when all their partials are so far below their thresholds at the head: within 25 ms they are 7 dB louder
@@ -88,7 +137,12 @@ class Listener(Companion):
 
     def heard(self, data: mujoco.MjData) -> FloatArray:
         """Return the sound pressure at the left and the right ear until now, shape (2, samples), in [Pa]."""
-        self._begin_sounds(data)
+        sounds = [sound for sources in self._sources for sound in sources.sounds(data)]
+        if sounds or self._begun:
+            keys = [[sound.source, sound.kind, sound.start_step, sound.fundamental_hz] for sound in sounds]
+            new = [sound for sound, key in zip(sounds, keys, strict=True) if key not in self._begun]
+            self._mixer.add([self._of_sound(sound) for sound in new])
+            self._begun = keys
         count = round(data.time * self._head.sample_rate_hz) - self.index
         if count > 0:
             count = min(count, 4 * self._samples)
@@ -103,7 +157,6 @@ class Listener(Companion):
 
     @property
     def _tracks(self) -> list[VoiceTrack]:
-        """All voices that it hears."""
         voices = [*([self._voice] if self._voice else []), *self._others]
         return [voice.track for voice in voices]
 
@@ -128,15 +181,6 @@ class Listener(Companion):
         heard_ms = float((margins_db / frequencies_hz).max()) * frequencies_hz[0] * impact.timbre.duration_ms / 60
         lasts = max(heard_ms, 0.0) / 1000 * self._head.sample_rate_hz
         return Source(impact.timbre, 10 ** (impact.level_db / 20), start, 0, impact.place_m, lasts)
-
-    def _begin_sounds(self, data: mujoco.MjData) -> None:
-        """Let sounds of others begin that have not yet."""
-        sounds = [sound for sources in self._sources for sound in sources.sounds(data)]
-        if sounds or self._begun:
-            keys = [[sound.source, sound.kind, sound.start_step, sound.fundamental_hz] for sound in sounds]
-            new = [sound for sound, key in zip(sounds, keys, strict=True) if key not in self._begun]
-            self._mixer.add([self._of_sound(sound) for sound in new])
-            self._begun = keys
 
     def _of_sound(self, sound: Sound) -> Source:
         timbre = Timbre(sound.kind, float(sound.fundamental_hz), float(sound.duration_ms))

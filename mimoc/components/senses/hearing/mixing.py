@@ -54,7 +54,6 @@ class Mixer:
     """The sounds that are on their way to one head."""
 
     def __init__(self, head: Head, body: int, centre_m: Sequence[float]):
-        """Hear with a head, whose centre is at a place in the frame of a body."""
         self._head, self._body, self._centre_m = head, body, np.array(centre_m)
         self.forget()
 

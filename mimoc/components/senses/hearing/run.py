@@ -12,8 +12,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.hearing import HearingEntry
 from mimoc.components.senses.hearing.cochlea import REFERENCE_PA, Bands, band_centres_hz, thresholds_at
-from mimoc.components.senses.hearing.listener import Listener
-from mimoc.components.senses.hearing.playback import checked_playback
+from mimoc.components.senses.hearing.listener import Listener, checked_playback
 from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
 from mimoc.runtime.sound import SoundSources
 from mimoc.runtime.voice import Voice
@@ -32,7 +31,6 @@ class Output(ABC):
     high: float
 
     def __init__(self, bands: Bands, thresholds_db: FloatArray, has_thresholds: bool):
-        """Hear in some bands, with the threshold of each, or with none of all."""
         self.bands, self.thresholds_db, self.has_thresholds = bands, thresholds_db, has_thresholds
         self._least_pa = REFERENCE_PA * 10 ** (float(thresholds_db.min()) / 20)
 
@@ -110,7 +108,6 @@ class Hearing(Sense):
     """What both ears hear, the left one first, shape (2, n)."""
 
     def __init__(self, output: Output, listener: Listener, head: int):
-        """Observe what a listener hears with ears on a body as an output."""
         self.bodies = np.full(len(EARS), head, np.intp)
         self.output, self.listener = output, listener
         self.companion = listener

@@ -26,7 +26,6 @@ class VoiceTrack:
     """The wave of a voice by samples: its phase, in periods, and its gain, re 20 µPa at 1 m."""
 
     def __init__(self, voice: Voice, head: Head):
-        """Begin in silence."""
         self._voice, self._head = voice, head
         harmonics = max(1, min(HARMONICS, int(0.45 * head.sample_rate_hz / voice.entry.high_hz)))
         self.period = REFERENCE_PA * harmonic_period(voice.entry.high_hz, harmonics, head)
@@ -76,7 +75,6 @@ class OwnVoice:
     """The sound pressure of an infant's voice at its own ears."""
 
     def __init__(self, voice: Voice, head: Head):
-        """Hear a voice with a head."""
         self.track = VoiceTrack(voice, head)
         self._period_pa: FloatArray = BONES / (math.pi / 2 * head.radius_m) * self.track.period.real
 
@@ -92,7 +90,6 @@ class OtherVoice:
     """The sound pressure of another infant's voice at the ears of this one."""
 
     def __init__(self, voice: Voice, body: int, head: Head):
-        """Hear the voice of a mouth on a body with a head."""
         self.track, self.body = VoiceTrack(voice, head), body
         self.point_m = np.array(voice.entry.mouth_m)
         """The mouth in the frame of the body, shape (3,)."""

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mimoc.schema.base import Model
-from mimoc.schema.delay_ages import AGES_MONTHS
 from mimoc.schema.entries import Amount, Body, Duration, Hinge, Label
-from mimoc.schema.kinds import AgeTable, SenseKind
+from mimoc.schema.kinds import AGES_MONTHS, AgeTable, SenseKind
 from mimoc.schema.quantities import Degrees, Distinct, Real
 
 

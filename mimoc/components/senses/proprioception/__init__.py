@@ -3,9 +3,8 @@
 from typing import Annotated, Literal
 
 from mimoc.schema.base import Model
-from mimoc.schema.delay_ages import AGES_MONTHS
 from mimoc.schema.entries import Hinge, Sensor
-from mimoc.schema.kinds import AgeTable, NoiseOption, SenseKind
+from mimoc.schema.kinds import AGES_MONTHS, AgeTable, NoiseOption, SenseKind
 from mimoc.schema.quantities import Distinct
 
 ProprioceptiveQuantity = Literal["velocity", "torque", "limits", "actuation"]

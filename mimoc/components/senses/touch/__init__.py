@@ -7,9 +7,8 @@ from pydantic import Field, model_validator
 
 from mimoc.schema.base import Model, omitting
 from mimoc.schema.body import PartName
-from mimoc.schema.delay_ages import AGES_MONTHS
 from mimoc.schema.entries import Body, Length
-from mimoc.schema.kinds import AgeTable, NoiseOption, SenseKind
+from mimoc.schema.kinds import AGES_MONTHS, AgeTable, NoiseOption, SenseKind
 from mimoc.schema.names import Groups
 from mimoc.schema.quantities import Centimetres, Distinct, Real
 

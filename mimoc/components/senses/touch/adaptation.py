@@ -16,12 +16,15 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
+import mujoco
 import numpy as np
 
+from mimoc.base.geometry.rotations import cross
 from mimoc.components.senses.touch import Channel
+from mimoc.components.senses.touch.contacts import ContactForces
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.filter import INSTANT_S, MOST_INTERVALS, Filter, held
-from mimoc.runtime.sense import FloatArray
+from mimoc.runtime.sense import FloatArray, IntArray
 
 RISE_S, SLOW_S = 0.15, 3.0
 """Time constants of the response of slowly adapting receptors to a rising force, and of their slow loss."""
@@ -90,8 +93,10 @@ class Adapting(Filter):
         """What is left after each interval so far; no field, so that infants never share it."""
         return {}
 
-    def _left(self, xp: Any, elapsed_s: float) -> tuple[Any, ...]:
-        """Return what is left of both lags, what a change adds to them, and the same of the rise."""
+    def _changed(self, xp: Any, elapsed_s: float, numbers: Any, kept: Any) -> tuple[Any, Any]:
+        """Return the channels of m points, shape (k, c, m), and their state, shape (k, 4, m)."""
+        force, rise, former = numbers[:, 0, :], kept[:, 2, :], kept[:, 3, :]
+        # What is left of both lags, what a change adds to them, and the same of the rise.
         interval_s = min(max(round(elapsed_s, 9), INSTANT_S), FORGOTTEN_S)
         if interval_s not in self.intervals:
             if len(self.intervals) == MOST_INTERVALS:
@@ -99,12 +104,7 @@ class Adapting(Filter):
             left, ramp = held(xp, interval_s, self.time_constants_s[:, :, None])
             of_rise, _ = held(xp, interval_s, self.rise_s)
             self.intervals[interval_s] = left, 1.0 - left, ramp, of_rise, (1.0 - of_rise) * (self.rise_s / interval_s)
-        return self.intervals[interval_s]
-
-    def _changed(self, xp: Any, elapsed_s: float, numbers: Any, kept: Any) -> tuple[Any, Any]:
-        """Return the channels of m points, shape (k, c, m), and their state, shape (k, 4, m)."""
-        force, rise, former = numbers[:, 0, :], kept[:, 2, :], kept[:, 3, :]
-        left, gained, ramp, of_rise, risen = self._left(xp, elapsed_s)
+        left, gained, ramp, of_rise, risen = self.intervals[interval_s]
         change = force - former
         rise = of_rise * rise + risen * xp.maximum(change, 0.0)
         lags = left * kept[:, :2, :] + gained * former[:, None, :] + ramp * change[:, None, :]
@@ -127,3 +127,43 @@ class Adapting(Filter):
 def adapting(channels: tuple[Channel, ...], width: int) -> Adapting:
     """Return the filter of some channels."""
     return Adapting(np.array([SLOW_S, RAPID_S]), np.array([RISE_S]), channels, width)
+
+
+class Stroking:
+    """What of the pressure of contacts is stroking."""
+
+    def __init__(self, model: mujoco.MjModel, hairless: frozenset[int]):
+        """Find which skin feels it: not that of the bodies that are hairless."""
+        self._body_of_geom = np.append(model.geom_bodyid, 0).astype(np.intp)
+        self._roots = model.body_rootid.astype(np.intp)
+        self._is_hairy = ~np.isin(np.arange(model.nbody), list(hairless))
+
+    def __call__(self, data: mujoco.MjData, forces: ContactForces, pressures_n: FloatArray) -> FloatArray:
+        """Return the pressure of m contacts, and what of it is stroking, shape (m, 2); *pressures_n* has it twice."""
+        bodies = self._body_of_geom.take(data.contact.geom.take(forces.contacts, 0))
+        normals = data.contact.frame.take(forces.contacts, 0)[:, :3]
+        speeds_m_s = sliding_speeds(data, bodies, self._roots, forces.places_m, normals)
+        shares = np.where(self._is_hairy.take(forces.bodies), stroking(speeds_m_s), 0.0)
+        return pressures_n * np.stack([np.ones_like(shares), shares], axis=1)
+
+
+def sliding_speeds(
+    data: mujoco.MjData, bodies: IntArray, roots: IntArray, places_m: FloatArray, normals: FloatArray
+) -> FloatArray:
+    """Return how fast two bodies slide over each other at some places, shape (m,), [m/s].
+
+    MuJoCo's `cvel` of a body is about the centre of mass of its tree, c: v = v_c + w x (p - c).
+
+    Args:
+        data: The state.
+        bodies: Both bodies of each contact, shape (m, 2).
+        roots: The root of the tree of each body of the model, shape (nbody,).
+        places_m: Shape (m, 3), in the world.
+        normals: Shape (m, 3).
+    """
+    turning, moving = np.split(data.cvel.take(bodies, 0), 2, axis=-1)
+    away_m = places_m[:, None] - data.subtree_com.take(roots.take(bodies), 0)
+    velocities = moving + cross(turning, away_m)
+    relative = velocities[:, 1] - velocities[:, 0]
+    across = relative - (relative * normals).sum(axis=1, keepdims=True) * normals
+    return np.sqrt((across * across).sum(axis=1))

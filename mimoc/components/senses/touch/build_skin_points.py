@@ -79,7 +79,13 @@ def lay_out(geoms: Sequence[Geom], spacing_m: float) -> Layout:
         for other in (*geoms[:index], *geoms[index + 1 :]):
             multiples = multiples[depth(other, place(geom, (1 + CLEARANCE) * multiples)) <= 0]
         for other, theirs in zip(geoms, layout, strict=False):
-            multiples = _without_close(geom, multiples, other, theirs, MIN_DISTANCE * spacing_m)
+            # Those points of a geom that are at least a distance from those of another one.
+            distance_m = MIN_DISTANCE * spacing_m
+            points_m, others_m = place(geom, multiples), place(other, theirs)
+            near = np.flatnonzero(depth(other, points_m) > -distance_m)
+            others_m = others_m[depth(geom, others_m) > -distance_m]
+            gaps_m = np.linalg.norm(points_m[near, None] - others_m, axis=2)
+            multiples = np.delete(multiples, near[(gaps_m < distance_m).any(axis=1)], axis=0)
         layout.append(multiples)
     return tuple(layout)
 
@@ -113,15 +119,6 @@ def _moved(points_m: FloatArray, geoms: Sequence[Geom]) -> FloatArray:
         if covered.any():
             points_m[covered] = _to_seam(geom, other, points_m[covered])
     return points_m
-
-
-def _without_close(geom: Geom, multiples: FloatArray, other: Geom, theirs: FloatArray, distance_m: float) -> FloatArray:
-    """Return those points of a geom that are at least a distance from those of another one."""
-    points_m, others_m = place(geom, multiples), place(other, theirs)
-    near = np.flatnonzero(depth(other, points_m) > -distance_m)
-    others_m = others_m[depth(geom, others_m) > -distance_m]
-    gaps_m = np.linalg.norm(points_m[near, None] - others_m, axis=2)
-    return np.delete(multiples, near[(gaps_m < distance_m).any(axis=1)], axis=0)
 
 
 def _to_surface(geom: Geom, points_m: FloatArray) -> FloatArray:

@@ -13,10 +13,9 @@ from gymnasium.spaces import Box
 from mimoc.base.errors import BundleError, RenderingError
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.touch import POINTS, Channel, TouchEntry
-from mimoc.components.senses.touch.adaptation import adapting
+from mimoc.components.senses.touch.adaptation import Stroking, adapting
 from mimoc.components.senses.touch.contacts import FIELDS, ContactForces, contact_forces, rotated, skin_body_of_geoms
 from mimoc.components.senses.touch.receptors import Receptors, bind_receptors
-from mimoc.components.senses.touch.strokes import Stroking
 from mimoc.render.markers import Markers, force_markers
 from mimoc.runtime.sense import FloatArray, IntArray, Observation, Sample, Sense, SkinState
 from mimoc.runtime.worlds import Worlds
@@ -120,7 +119,6 @@ class TouchReader:
     """
 
     def __init__(self, touches: Sequence[Touch]):
-        """Join the touch of each infant."""
         self._touch = first = touches[0]
         self._bodies, self._geoms = len(first.receptors.scale_per_m), len(first.body_of_geom)
         self._size = len(first.receptors.bodies) * first.width

@@ -5,9 +5,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from mimoc.schema.base import Model, omitting
-from mimoc.schema.delay_ages import AGES_MONTHS
 from mimoc.schema.entries import Sensor
-from mimoc.schema.kinds import AgeTable, NoiseOption, SenseKind
+from mimoc.schema.kinds import AGES_MONTHS, AgeTable, NoiseOption, SenseKind
 from mimoc.schema.quantities import Distinct
 
 VestibularQuantity = Literal["accelerometer", "gyro"]

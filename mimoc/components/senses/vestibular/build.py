@@ -47,7 +47,6 @@ def _canals(canals: str | None, age_months: float) -> CanalsEntry | None:
 
 
 def _origins(canals: str, entry: CanalsEntry) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield where each time constant comes from."""
     sources = ["spec.senses.vestibular.canals", *(["spec.age_months"] if canals == "age" else [])]
     rules = dict.fromkeys(CanalsEntry.model_fields, RULES[canals]) | {
         "adaptation_s": "adaptation of humans (Rader, Oman & Merfeld 2009)"

@@ -5,9 +5,8 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from mimoc.schema.base import Model, omitting
-from mimoc.schema.delay_ages import AGES_MONTHS
 from mimoc.schema.entries import Amount, Body, Camera
-from mimoc.schema.kinds import AgeTable, SenseKind
+from mimoc.schema.kinds import AGES_MONTHS, AgeTable, SenseKind
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Direction, Distinct, Months, Pixels, Real, Whole
 
 FoveationRadius = Literal["border", "corner", "edge"]
@@ -192,7 +191,7 @@ KIND = SenseKind(
     entry=VisionEntry,
     build="mimoc.components.senses.vision.build",
     run="mimoc.components.senses.vision.run",
-    device="mimoc.components.senses.vision.device.reader",
+    device="mimoc.components.senses.vision.device",
     organs=("left_eye", "right_eye"),
     physiological_delay=AgeTable(AGES_MONTHS, (245, 205, 115, 105, 105, 105)),
 )

@@ -1,11 +1,11 @@
 """Vision on a body."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf import sensor_sites
 from mimoc.compiler.mjcf.scene import Placed
-from mimoc.components.senses.vision import Shown, VisionEntry, VisionSpec
+from mimoc.components.senses.vision import VisionEntry, VisionSpec
 from mimoc.components.senses.vision.build_acuity import resolve_acuity
 from mimoc.components.senses.vision.build_maturity import UNITS, maturity_of, rules_of
 
@@ -23,31 +23,22 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
     cameras = sensor_sites.cameras(body, spec.fovy_deg)
     names = {part.name for part in body.bodies}
     fields = {"contrast": "linear", "foveation": spec.foveation} | maturity_of(spec, body.age_months)
+    left = dict(body.acuity)
     entry = VisionEntry(
         cameras=tuple(camera.name for eye in cameras.values() for camera in eye),
         width_px=spec.width_px,
         height_px=spec.height_px,
         supersample=spec.supersample,
         acuity_cpd=resolve_acuity(spec, body.age_months),
-        acuity_shares=_shares(body, cameras),
+        acuity_shares=tuple(left.get(eye, 1.0) for eye in cameras) if left else (),
         field_deg=dict(body.field_deg),
         foveation_radius=spec.foveation_radius,
         unseen=tuple(name for name in sensor_sites.UNSEEN if name in names),
-        body=_seen(spec, body),
+        # By the published law, eyes see solids unless the spec asks for skins.
+        body="solids" if spec.body is None and body.development == "published" else spec.body,
         **fields,
     )
     return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
-
-
-def _seen(spec: VisionSpec, body: BodyTree) -> Shown | None:
-    """Return what the eyes see of infants: by the published law, solids, unless the spec asks for skins."""
-    return "solids" if spec.body is None and body.development == "published" else spec.body
-
-
-def _shares(body: BodyTree, eyes: Iterable[str]) -> tuple[float, ...]:
-    """Return the share of the acuity that some eyes have, if one has less than all."""
-    left = dict(body.acuity)
-    return tuple(left.get(eye, 1.0) for eye in eyes) if left else ()
 
 
 def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object]]:
@@ -74,7 +65,6 @@ def _matured(spec: VisionSpec, entry: VisionEntry) -> Iterator[tuple[str, dict[s
 
 
 def _impaired(entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:
-    """Yield the origins of what impaired eyes have."""
     rule = "given by the spec"
     if entry.acuity_shares:
         yield (

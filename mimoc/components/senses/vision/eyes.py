@@ -132,7 +132,6 @@ class Eyes:
         return make() if self._shared is None else self._shared.of(self._assets, self._size_px, self._shown, make)
 
     def _find_names(self, model: mujoco.MjModel) -> None:
-        """Find cameras and unseen geoms in the model that is drawn now."""
         self._groups, self._skin_groups = model.geom_group, model.skin_group
         self.fovy_deg = float(model.cam_fovy[model.camera(self._names[0]).id])
         """Vertical field of view."""
@@ -155,7 +154,6 @@ class Eyes:
 
 
 def _bones(model: mujoco.MjModel, skin: int) -> set[str]:
-    """Return the names of the bodies that move a skin."""
     first = model.skin_boneadr[skin]
     return {model.body(body).name for body in model.skin_bonebodyid[first : first + model.skin_bonenum[skin]]}
 

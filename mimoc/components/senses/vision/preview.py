@@ -67,7 +67,12 @@ def preview(
         raise UnknownNameError("camera of this infant", name, cameras)
     camera = data.camera(name)
     world_from_eye = camera.xmat.reshape(3, 3).copy()
-    camera.xmat = _turned(world_from_eye, _gaze(bundle, world, data, camera.xpos, world_from_eye, down_deg))
+    # The rotation of an eye that has turned to a gaze, nine numbers; its horizontal stays level.
+    gaze = _gaze(bundle, world, data, camera.xpos, world_from_eye, down_deg)
+    back = -gaze / np.linalg.norm(gaze)
+    across = world_from_eye[:, 0] - world_from_eye[:, 0] @ back * back
+    across /= np.linalg.norm(across)
+    camera.xmat = np.stack([across, np.cross(back, across), back], axis=1).ravel()
     if fovy_deg is not None:
         model.camera(name).fovy = fovy_deg
     size_px = first.supersample * first.width_px, first.supersample * first.height_px
@@ -98,7 +103,6 @@ def _gaze(
     world_from_eye: FloatArray,
     down_deg: float | None,
 ) -> FloatArray:
-    """Return the direction of gaze, a vector of shape (3,) in the world."""
     _, up, back = world_from_eye.T
     toys = {toy.body: toy.size_m for toy in (world or bundle).manifest.toys}
     others = (
@@ -115,11 +119,3 @@ def _gaze(
             return offsets_m[max(seen, key=angles.__getitem__)]
     angle = np.radians(DOWN_DEG if down_deg is None else down_deg)
     return -np.cos(angle) * back - np.sin(angle) * up
-
-
-def _turned(world_from_eye: FloatArray, gaze: FloatArray) -> FloatArray:
-    """Return the rotation of an eye that has turned to a gaze, nine numbers; its horizontal stays level."""
-    back = -gaze / np.linalg.norm(gaze)
-    across = world_from_eye[:, 0] - world_from_eye[:, 0] @ back * back
-    across /= np.linalg.norm(across)
-    return np.stack([across, np.cross(back, across), back], axis=1).ravel()

@@ -12,7 +12,7 @@ from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.colours import limit_colours, limits_of
 from mimoc.components.senses.vision.defocus import Lens, defocus
 from mimoc.components.senses.vision.eyes import Drawn, Eyes, View
-from mimoc.components.senses.vision.flicker import filter_of
+from mimoc.components.senses.vision.flicker import fade, filter_of, noticed_share
 from mimoc.components.senses.vision.foveation import (
     Pictures,
     blur,
@@ -21,7 +21,6 @@ from mimoc.components.senses.vision.foveation import (
     source_weights,
     visual_field,
 )
-from mimoc.components.senses.vision.noticing import fade, noticed_share
 from mimoc.components.senses.vision.thresholds import NUMPY
 from mimoc.render.renderer import average_down
 from mimoc.runtime.sense import IntArray, Observation, Sample, Sense

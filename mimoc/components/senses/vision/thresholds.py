@@ -90,7 +90,6 @@ def above_threshold(luminance: Any, bands: Bands, transform: Transform) -> Any:
 
 
 def _total(planes: Any) -> Any:
-    """Return the sum of each plane, shape (..., 1, 1)."""
     return planes.reshape(*planes.shape[:-2], -1).sum(-1)[..., None, None]
 
 

@@ -62,8 +62,16 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
     """
     side: Side = task.hand or "right"
     require(tree, task.kind, f"{side}_hand", middle_finger(tree, side))
-    start = resting_state(tree, _offering(side))
-    hand_m = _hand_length(tree, side)
+    # The pose of an infant that sits and offers a palm.
+    arm = {f"{side}_{joint}": angle_deg for joint, angle_deg in OFFERING.items()}
+    start = resting_state(tree, Pose(0, {**SITTING, **LOOKING, **arm}, relaxed=False))
+    # How long a hand is that is stretched, in [m].
+    stretched = pose(tree, {})
+    names = {geom.name for body in tree.bodies if body.name in bodies_of(tree, f"{side}_hand") for geom in body.geoms}
+    kept = [index for index, geom in enumerate(stretched.geoms) if geom.name in names]
+    hand = stretched.only(kept)
+    along = frames(tree, {})[f"{side}_hand"][1][:, 2]
+    hand_m = hand.extent(along) + hand.extent(-along)
     entry = CatchEntry(
         steps=task.steps or STEPS,
         hand=bodies_of(tree, f"{side}_hand"),
@@ -73,23 +81,10 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
         drop_m=(LOWEST * hand_m, HIGHEST * hand_m),
         lost_m=LOST * hand_m,
     )
-    return one_armed(tree, side, entry, start, (ball(_above(tree, entry, start)),))
-
-
-def _offering(side: Side) -> Pose:
-    """Return the pose of an infant that sits and offers a palm."""
-    arm = {f"{side}_{joint}": angle_deg for joint, angle_deg in OFFERING.items()}
-    return Pose(0, {**SITTING, **LOOKING, **arm}, relaxed=False)
-
-
-def _hand_length(tree: BodyTree, side: Side) -> float:
-    """Return how long a hand is that is stretched, in [m]."""
-    stretched = pose(tree, {})
-    names = {geom.name for body in tree.bodies if body.name in bodies_of(tree, f"{side}_hand") for geom in body.geoms}
-    kept = [index for index, geom in enumerate(stretched.geoms) if geom.name in names]
-    hand = stretched.only(kept)
-    along = frames(tree, {})[f"{side}_hand"][1][:, 2]
-    return hand.extent(along) + hand.extent(-along)
+    # Where the ball hangs that falls from the middle of its heights.
+    origin, rotation = frames_in_world(tree, start)[entry.palm]
+    x, y, z = (origin + rotation @ entry.palm_m).tolist()
+    return one_armed(tree, side, entry, start, (ball((x, y, z + sum(entry.drop_m) / 2 + RADIUS_M)),))
 
 
 def _palm(tree: BodyTree, side: Side) -> Vec3:
@@ -98,10 +93,3 @@ def _palm(tree: BodyTree, side: Side) -> Vec3:
     _, half_thickness_m, half_length_m = geom.size_m
     _, y, z = geom.pos_m
     return 0.0, y + PALMAR[side] * half_thickness_m, z + ALONG_PALM * half_length_m
-
-
-def _above(tree: BodyTree, entry: CatchEntry, start: tuple[float, ...]) -> Vec3:
-    """Return where the ball hangs that falls from the middle of its heights."""
-    origin, rotation = frames_in_world(tree, start)[entry.palm]
-    x, y, z = (origin + rotation @ entry.palm_m).tolist()
-    return x, y, z + sum(entry.drop_m) / 2 + RADIUS_M

@@ -29,7 +29,6 @@ class ResizableBall:
     """A sphere of a model that takes any radius and mass, with all that MuJoCo's compiler derives from them."""
 
     def __init__(self, entry: BallEntry, model: mujoco.MjModel):
-        """Find the ball in *model*, which it changes."""
         joint = model.joint(entry.joint)
         self._model = model
         self.body, self.geom = model.body(entry.body).id, model.geom(entry.geom).id
@@ -118,7 +117,6 @@ class CatchTask(Task):
     """A ball over the palm, of another size and mass in each episode."""
 
     def __init__(self, entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle):
-        """Find everything that *entry* names in *model*, whose ball it changes."""
         self._entry, self._model, self._ball = entry, model, ResizableBall(entry.ball, model)
         is_hand = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand])
         part_of_geom = np.where(is_hand, HAND, NEITHER)

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimoc.base.geometry.rotations import Vec3, direction
+from mimoc.base.geometry.rotations import direction
 from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import Pose, poses_of, resting_state
+from mimoc.body.poses import poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.task_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.components.tasks.reach import ReachEntry, ReachSpec
@@ -42,9 +42,17 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     side: Side = task.hand or "right"
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
-    start = resting_state(tree, _standing(tree, side))
-    arm_m = _arm_m(tree, side)
+    # How an infant stands whose arm floats, as its springs have it: there is no gravity.
+    standing = poses_of(tree)["standing"]
+    arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
+    slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
+    start = resting_state(tree, replace(standing, angles_deg={**standing.angles_deg, **slack}))
+    stretched = frames(tree, {})
+    arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
     outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
+    # What looks at the ball: the head, then each eye that there is.
+    turns = [("robot:head_swivel", "head"), ("robot:head_tilt", "head")]
+    turns += [(f"robot:{eye}_{way}", eye) for eye in LOOKERS for way in ("horizontal", "vertical")]
     entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
@@ -55,46 +63,21 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         azimuth_rad=(-outward, inward) if side == "right" else (-inward, outward),
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
         box_m=_mimo_box(arm_m, side) if task.ball == "mimo" else None,
-        gaze=_gaze(tree),
+        gaze=tuple(GazeEntry(joint=joint, looker=looker) for joint, looker in turns if joint in tree.joints),
         hold_s=HOLD_S if task.goal == "hold" else 0.0,
         near_m=NEAR_IN_ARMS * arm_m if task.goal == "hold" else 0.0,
     )
-    return one_armed(tree, side, entry, start, (ball(_middle(tree, entry, start)),), weightless=True)
-
-
-def _standing(tree: BodyTree, side: Side) -> Pose:
-    """Return how an infant stands whose arm floats, as its springs have it: there is no gravity."""
-    standing = poses_of(tree)["standing"]
-    arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
-    slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
-    return replace(standing, angles_deg={**standing.angles_deg, **slack})
-
-
-def _arm_m(tree: BodyTree, side: Side) -> float:
-    """Return the length of an arm from shoulder to fingers, in [m]."""
-    stretched = frames(tree, {})
-    return float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
-
-
-def _mimo_box(arm_m: float, side: Side) -> tuple[Numbers, Numbers, Numbers]:
-    """Return MIMo's box by the size of an arm, mirrored for the left one, in [m]."""
-    ahead, (right, left), above = ((arm_m * low, arm_m * high) for low, high in MIMO_BOX)
-    return ahead, (right, left) if side == "right" else (-left, -right), above
-
-
-def _gaze(tree: BodyTree) -> tuple[GazeEntry, ...]:
-    """Return what looks at the ball: the head, then each eye that there is."""
-    turns = [("robot:head_swivel", "head"), ("robot:head_tilt", "head")]
-    turns += [(f"robot:{eye}_{way}", eye) for eye in LOOKERS for way in ("horizontal", "vertical")]
-    return tuple(GazeEntry(joint=joint, looker=looker) for joint, looker in turns if joint in tree.joints)
-
-
-def _middle(tree: BodyTree, entry: ReachEntry, start: tuple[float, ...]) -> Vec3:
-    """Return the middle of the ball's places."""
+    # The middle of the ball's places.
     placed = frames_in_world(tree, start)
     origin, (_, trunk) = placed[entry.shoulder][0], placed[entry.trunk]
     ranges = entry.box_m or (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
     first, second, third = (sum(ends) / 2 for ends in ranges)
     away_m = np.array([first, second, third]) if entry.box_m else first * direction(second, third)
     x, y, z = (origin + trunk @ away_m).tolist()
-    return x, y, z
+    return one_armed(tree, side, entry, start, (ball((x, y, z)),), weightless=True)
+
+
+def _mimo_box(arm_m: float, side: Side) -> tuple[Numbers, Numbers, Numbers]:
+    """Return MIMo's box by the size of an arm, mirrored for the left one, in [m]."""
+    ahead, (right, left), above = ((arm_m * low, arm_m * high) for low, high in MIMO_BOX)
+    return ahead, (right, left) if side == "right" else (-left, -right), above

@@ -145,7 +145,6 @@ class ReachTask(Task):
     """A ball that hangs somewhere within reach."""
 
     def __init__(self, entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle):
-        """Find everything that *entry* names in *model*."""
         gaze, self._locks = bind_gaze(entry.gaze, model, bundle.manifest.constraints)
         bodies = (entry.effector, entry.ball.body, entry.shoulder, entry.trunk)
         effector, ball, self._shoulder, self._trunk = (model.body(name).id for name in bodies)
@@ -167,7 +166,14 @@ class ReachTask(Task):
         if "held" in self.memory:
             self.remember(held=0.0)
         for _ in range(MOST_DRAWS):
-            self._hang(data, self._draw_place(data, generator))
+            trunk = data.xmat[self._trunk].reshape(3, 3)
+            if self._entry.box_m:
+                away_m = np.array([generator.uniform(*ends) for ends in self._entry.box_m])
+            else:
+                ranges = (self._entry.distance_m, self._entry.azimuth_rad, self._entry.elevation_rad)
+                distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
+                away_m = distance_m * direction(azimuth, elevation)
+            self._hang(data, data.xpos[self._shoulder] + trunk @ away_m)
             if not (data.contact.geom == self._ball_geom).any():
                 break
 
@@ -181,17 +187,6 @@ class ReachTask(Task):
             mujoco.mj_kinematics(self._model, data)
         self._model.eq_data[self._locks.rows, LOCK_ANGLE] = data.qpos[term.gaze.angles]
         mujoco.mj_forward(self._model, data)
-
-    def _draw_place(self, data: mujoco.MjData, generator: np.random.Generator) -> FloatArray:
-        """Return a place before the infant, shape (3,), [m]."""
-        trunk = data.xmat[self._trunk].reshape(3, 3)
-        if self._entry.box_m:
-            away_m = np.array([generator.uniform(*ends) for ends in self._entry.box_m])
-        else:
-            ranges = (self._entry.distance_m, self._entry.azimuth_rad, self._entry.elevation_rad)
-            distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
-            away_m = distance_m * direction(azimuth, elevation)
-        return data.xpos[self._shoulder] + trunk @ away_m
 
 
 bind = ReachTask

@@ -62,7 +62,6 @@ class RolloverTask(Task):
     """An infant that lies on its back or on its belly, and comes to rest before an episode begins."""
 
     def __init__(self, entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle):
-        """Find everything that *entry* names in *model*."""
         manifest = bundle.manifest
         amounts = entry.goal, entry.effort_weight, entry.success_reward, entry.discount
         cost = SquaredCommands(*command_range(manifest.actuation))

@@ -48,14 +48,10 @@ def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
         effectors=bodies_of(tree, f"{side}_hand"),
         targets=tuple(_targets(tree, OTHER[side])),
     )
-    return one_armed(tree, side, entry, resting_state(tree, _pose(side)))
-
-
-def _pose(side: Side) -> Pose:
-    """Return how an infant sits that touches itself with a hand."""
+    # How an infant sits that touches itself with a hand.
     arms = {f"{side}_{name}": angle for name, angle in TOUCHING.items()}
     arms |= {f"{OTHER[side]}_{name}": angle for name, angle in TOUCHED.items()}
-    return Pose(0, {**SITTING, **AWAY[side], **arms}, relaxed=False)
+    return one_armed(tree, side, entry, resting_state(tree, Pose(0, {**SITTING, **AWAY[side], **arms}, relaxed=False)))
 
 
 def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:

@@ -67,7 +67,6 @@ class SelfbodyTask(Task):
     """A part of the body to be touched, drawn for each episode and observed as one-hot `goal`."""
 
     def __init__(self, entry: SelfbodyEntry, model: mujoco.MjModel, bundle: Bundle):
-        """Find everything that *entry* names in *model*."""
         count, parts = len(entry.targets), parts_of_geoms(entry, model)
         geoms = np.flatnonzero((parts >= 0) & (parts < count))
         rewards = entry.success_reward, entry.idle_reward

@@ -29,7 +29,6 @@ class Start:
     hand: str | None = None
     """The hand that holds an object."""
     object: str | None = None
-    """The object."""
 
 
 Begin = Callable[[Any, BodyTree], Start]

@@ -20,8 +20,6 @@ from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
 MEASURES: tuple[str, ...] = get_args(Measure)
-BODY_MEASURES = MEASURES[:-2]
-"""Those of one moment, without what the posture is compared with."""
 
 
 @dataclass(frozen=True)
@@ -176,7 +174,6 @@ class Skill(Term):
 
 
 def _rows_of(worlds: Worlds, field: str, rows: Any) -> Any:
-    """Return some rows of a field of k infants."""
     return worlds.xp.take(getattr(worlds, field), rows, axis=1)
 
 
@@ -184,7 +181,6 @@ class SkillTask(Task):
     """An infant that learns a motor skill."""
 
     def __init__(self, entry: SkillEntry, model: mujoco.MjModel, bundle: Bundle):
-        """Find everything that *entry* names in *model*."""
         self._entry, self._model = entry, model
         self._step_s = ms_to_s(bundle.manifest.step_ms)
         is_of_infant = in_subtrees(model, [model.body(entry.hip).id])[model.jnt_bodyid]
@@ -216,19 +212,15 @@ class SkillTask(Task):
         at_rest = np.clip(-term.low / term.span, 0.0, 1.0)[0]
         self.remember(heading=heading, way=way, walked_m=0.0, kept=0.0, step=0.0, reached=False, commands=at_rest)
         if self._entry.helped:
-            self._draw_help(data, generator)
-
-    def _draw_help(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
-        """Draw when and where to the infant is pushed, and how much of its weight is carried."""
-        entry, steps = self._entry, self._entry.steps or 1
-        pushes = len(self.memory["push_at"])
-        first_s, share = 1.0 / self._step_s, steps / max(pushes, 1)
-        at = first_s + (np.arange(pushes) + generator.uniform(0.0, 0.7, pushes)) * share * 0.9
-        angles = generator.uniform(-pi, pi, pushes)
-        push_n = entry.push_n * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-        support_n = float(generator.uniform(*entry.support_n))
-        self.remember(push_at=np.floor(at), push_n=push_n if entry.pushes else 0 * push_n, support_n=support_n)
-        data.xfrc_applied[self.forced[0], 2] = support_n
+            entry, steps = self._entry, self._entry.steps or 1
+            pushes = len(self.memory["push_at"])
+            first_s, share = 1.0 / self._step_s, steps / max(pushes, 1)
+            at = first_s + (np.arange(pushes) + generator.uniform(0.0, 0.7, pushes)) * share * 0.9
+            angles = generator.uniform(-pi, pi, pushes)
+            push_n = entry.push_n * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+            support_n = float(generator.uniform(*entry.support_n))
+            self.remember(push_at=np.floor(at), push_n=push_n if entry.pushes else 0 * push_n, support_n=support_n)
+            data.xfrc_applied[self.forced[0], 2] = support_n
 
     def _term(self, actuation: Actuation) -> Skill:
         entry, model, step_s = self._entry, self._model, self._step_s

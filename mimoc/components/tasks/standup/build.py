@@ -115,7 +115,20 @@ def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
     seat = _sit(tree, task.kind)
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
     child_m, standing_m = length_m(tree), standing_height(tree) + float(frames(tree, {})["head"][0][2])
-    rail = Rail(_rail_x(tree, seat, grips, task.kind), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
+    # How far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
+    seated, straight = frames(tree, seat.angles_rad), frames(tree, {})
+    distances_m = []
+    for side in SIDES:
+        origin, turn = straight[f"{side}_hand"]
+        arm_m = float(np.linalg.norm(origin + turn @ grips[side] - straight[f"{side}_upper_arm"][0]))
+        x_m, _, z_m = seat.in_world(seated[f"{side}_upper_arm"][0]).tolist()
+        above_m = rail_height(tree) - z_m
+        if STRETCHED * arm_m <= above_m:
+            raise UnsupportedTaskError(
+                f"task '{task.kind}' starts with the hands at a rail; this infant's arms are too short"
+            )
+        distances_m.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
+    rail = Rail(min(distances_m), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
     wrists = {f"robot:{side}_{name}" for side in SIDES for name in WRIST}
     return TaskSetup(
         entry=StandupEntry(
@@ -134,11 +147,7 @@ def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
 
 
 def _sit(tree: BodyTree, task: str) -> Seat:
-    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor.
-
-    Raises:
-        UnsupportedTaskError: If its feet cannot be flat on the floor.
-    """
+    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor."""
     for hip_deg in HIPS_DEG[:-1]:
         with suppress(UnsupportedTaskError):
             return _seat(tree, hip_deg, task)
@@ -146,11 +155,7 @@ def _sit(tree: BodyTree, task: str) -> Seat:
 
 
 def _seat(tree: BodyTree, hip_deg: float, task: str) -> Seat:
-    """Return how an infant sits with its hips at an angle.
-
-    Raises:
-        UnsupportedTaskError: If its feet cannot be flat on the floor then.
-    """
+    """Return how an infant sits with its hips at an angle."""
     angles = {f"robot:{name}": deg_to_rad(angle) for name, angle in CURVED_DEG.items()}
     angles |= {f"robot:{side}_hip1": deg_to_rad(hip_deg) for side in SIDES}
     for side in SIDES:
@@ -175,9 +180,6 @@ def _flat_foot(
 
     The thigh is turned up by *thigh_deg* from hanging down. With a flat foot the ankle follows from the knee; the
     farther the knee is bent, the steeper is the shank and the deeper the foot.
-
-    Raises:
-        UnsupportedTaskError: If there is no such knee, or if the ankle does not bend down as far.
     """
     least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
     ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
@@ -201,27 +203,6 @@ def _flat_foot(
         )
     knee_deg = root(too_deep_m, low, high, _PRECISION_DEG)
     return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
-
-
-def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3], task: str) -> float:
-    """Return how far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
-
-    Raises:
-        UnsupportedTaskError: If it is too high up for the arms.
-    """
-    seated, straight = frames(tree, seat.angles_rad), frames(tree, {})
-    distances_m = []
-    for side in SIDES:
-        origin, turn = straight[f"{side}_hand"]
-        arm_m = float(np.linalg.norm(origin + turn @ grips[side] - straight[f"{side}_upper_arm"][0]))
-        x_m, _, z_m = seat.in_world(seated[f"{side}_upper_arm"][0]).tolist()
-        above_m = rail_height(tree) - z_m
-        if STRETCHED * arm_m <= above_m:
-            raise UnsupportedTaskError(
-                f"task '{task}' starts with the hands at a rail; this infant's arms are too short"
-            )
-        distances_m.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
-    return min(distances_m)
 
 
 def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -> tuple[float, ...]:

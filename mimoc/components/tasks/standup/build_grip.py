@@ -92,7 +92,12 @@ def arm_to_bar(
     names = [f"robot:{side}_{name}" for name in STRETCHED_OUT_DEG]
     low, high = np.deg2rad([tree.joints[name].range_deg for name in names]).T
     wanted = np.clip(np.deg2rad(list(STRETCHED_OUT_DEG.values())), low, high)
-    chain = _way_to(tree, f"{side}_hand")
+    # The parts of a body from the hip to one of them.
+    bodies = {body.name: body for body in tree.bodies}
+    way = [bodies[f"{side}_hand"]]
+    while parent := way[0].parent:
+        way = [bodies[parent], *way]
+    chain = replace(tree, bodies=tuple(way))
 
     def misses(angles: FloatArray) -> FloatArray:
         """Return how far the point is off, then how far the hand is turned off, shape (6,), [m]."""
@@ -123,12 +128,3 @@ def _search(
         angles = np.clip(angles - np.linalg.solve(damped, pull), low, high)
         shyness = max(FADING * shyness, LEAST_SHYNESS)
     return angles
-
-
-def _way_to(tree: BodyTree, part: str) -> BodyTree:
-    """Return the parts of a body from the hip to one of them."""
-    bodies = {body.name: body for body in tree.bodies}
-    way = [bodies[part]]
-    while parent := way[0].parent:
-        way = [bodies[parent], *way]
-    return replace(tree, bodies=tuple(way))

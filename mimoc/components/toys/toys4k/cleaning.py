@@ -182,7 +182,8 @@ def _clustered(mesh: Mesh, most_faces: int) -> Mesh:
         if 0 < len(simple.faces) <= most_faces:
             return simple
         cells *= factor
-    return _largest(mesh, most_faces)
+    kept = np.sort(np.argsort(-_areas(mesh), kind="stable")[:most_faces])
+    return only_used(mesh.vertices, mesh.faces[kept])
 
 
 def _joined(mesh: Mesh, cells: float) -> Mesh:
@@ -193,8 +194,3 @@ def _joined(mesh: Mesh, cells: float) -> Mesh:
     faces = place[mesh.faces]
     a, b, c = faces.T
     return tidy(Mesh(np.stack(sums, axis=1) / counts[:, None], faces[(a != b) & (b != c) & (c != a)]))
-
-
-def _largest(mesh: Mesh, most_faces: int) -> Mesh:
-    kept = np.sort(np.argsort(-_areas(mesh), kind="stable")[:most_faces])
-    return only_used(mesh.vertices, mesh.faces[kept])

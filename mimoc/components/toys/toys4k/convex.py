@@ -126,7 +126,6 @@ def _furthest(points: FloatArray, most: int) -> FloatArray:
 
 
 def _axes(points: FloatArray) -> FloatArray:
-    """Return the principal axes of points as the columns of a rotation matrix, largest variance first."""
     middle = points - points.mean(axis=0)
     axes = np.linalg.eigh(middle.T @ middle)[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))

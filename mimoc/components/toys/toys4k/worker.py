@@ -26,7 +26,14 @@ def main(task: str, memory_bytes: str, processor_s: str, *arguments: str) -> int
     """Run a task on the standard input, and write its result to the standard output."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # What libraries print goes to the standard error output.
-    _set_limits(int(memory_bytes), int(processor_s))
+    # Limit memory and CPU time and disable core dumps, where the system supports it.
+    with suppress(ImportError):
+        import resource
+
+        limits = {"RLIMIT_CORE": 0, "RLIMIT_CPU": int(processor_s), "RLIMIT_AS": int(memory_bytes)}
+        for name, most in limits.items():
+            with suppress(AttributeError, OSError, ValueError):
+                resource.setrlimit(getattr(resource, name), (most, most))
     try:
         result = TASKS[task](sys.stdin.buffer.read(), *arguments)
     except (RefusedError, MemoryError) as error:
@@ -114,17 +121,6 @@ def _triangles(loaded: Any) -> tuple[np.ndarray, np.ndarray]:
     starts = np.cumsum([0, *map(len, vertices)])
     faces = [np.asarray(mesh.faces, np.int64) + start for start, (_, mesh) in zip(starts, meshes, strict=False)]
     return np.concatenate(vertices), np.concatenate(faces)
-
-
-def _set_limits(memory_bytes: int, processor_s: int) -> None:
-    """Limit memory and CPU time and disable core dumps, where the system supports it."""
-    with suppress(ImportError):
-        import resource
-
-        limits = {"RLIMIT_CORE": 0, "RLIMIT_CPU": processor_s, "RLIMIT_AS": memory_bytes}
-        for name, most in limits.items():
-            with suppress(AttributeError, OSError, ValueError):
-                resource.setrlimit(getattr(resource, name), (most, most))
 
 
 if __name__ == "__main__":

@@ -132,14 +132,7 @@ class Servo:
 def servo(
     infant: DrivenInfant, data: mujoco.MjData, factor: float = 1.0, loose: Collection[int] = frozenset()
 ) -> Servo:
-    """Return the gains of an infant in a posture.
-
-    Args:
-        infant: The infant.
-        data: The posture, positions computed.
-        factor: Factor on the natural frequency.
-        loose: Those of its driven hinges that bear nothing and only move what hangs on them, such as a reaching arm.
-    """
+    """Return the gains of an infant in a posture, positions computed; *loose* hinges bear nothing."""
     frequency = factor * FREQUENCY_RAD_S
     inertia_kgm2 = np.array(
         [_inertia(infant, data, joint, slot not in loose) for slot, joint in enumerate(infant.joints)]
@@ -151,13 +144,7 @@ class Controller:
     """Computes controls that keep the joints of an infant at target angles."""
 
     def __init__(self, infant: DrivenInfant, gains: Servo, interval_s: float):
-        """Prepare a twin of the model, whose inertia has the damping of one interval in it.
-
-        Args:
-            infant: The infant.
-            gains: Stiffness and damping of its joints.
-            interval_s: How long controls are kept: a physics step or several.
-        """
+        """Prepare a twin of the model, whose inertia has the damping of one interval between controls in it."""
         self._infant, self._gains = infant, gains
         self._twin = copy.copy(infant.model)
         self._interval_s = interval_s
@@ -171,12 +158,7 @@ class Controller:
         self._loads = _loads(infant)
 
     def __call__(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
-        """Return the controls in a state, shape (nu,); those of other infants are as they are.
-
-        Args:
-            data: The state, as it is after a physics step.
-            target_rad: Angle of each driven hinge to go to, shape (n,).
-        """
+        """Return the controls, (nu,), for angles of all driven hinges, (n,), after a physics step; others' stay."""
         torques_nm = self._torques(data, target_rad)
         dofs = self._infant.dofs
         speeds = data.qvel.take(dofs) + self._interval_s * self._acceleration[0].take(dofs)
@@ -191,21 +173,22 @@ class Controller:
         mujoco.mj_fwdVelocity(self._twin, scratch)
         angles, speeds = data.qpos.take(infant.angles), data.qvel.take(infant.dofs)
         ahead = angles + self._interval_s * speeds
-        wanted = gains.stiffness_nm * (target_rad - ahead) - gains.damping_nms * speeds + self._compensation(scratch)
-        force = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias
-        force[infant.dofs] += wanted
-        mujoco.mj_solveM(self._twin, scratch, self._acceleration, force[None])
-        return wanted - self._step_damping * self._acceleration[0].take(infant.dofs)
-
-    def _compensation(self, scratch: mujoco.MjData) -> FloatArray:
-        """Return the torques that cancel springs and the weight of what hangs on the joints, shape (n,)."""
+        # Torques that cancel springs and the weight of what hangs on the joints.
         loads = self._loads
         arms_m = scratch.subtree_com.take(loads.bodies, 0) - scratch.xanchor.take(loads.joints, 0)
         axes = scratch.xaxis.take(loads.joints, 0)
         moments_nm = loads.weights_n * (axes[:, 1] * arms_m[:, 0] - axes[:, 0] * arms_m[:, 1])
         loads_nm = scratch.qfrc_spring.take(loads.dofs) + moments_nm
         carried_nm = np.bincount(loads.slots, loads_nm * loads.ratios, len(self._infant.joints))
-        return -np.asarray(carried_nm, np.float64)
+        wanted = (
+            gains.stiffness_nm * (target_rad - ahead)
+            - gains.damping_nms * speeds
+            + (-np.asarray(carried_nm, np.float64))
+        )
+        force = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias
+        force[infant.dofs] += wanted
+        mujoco.mj_solveM(self._twin, scratch, self._acceleration, force[None])
+        return wanted - self._step_damping * self._acceleration[0].take(infant.dofs)
 
 
 @dataclass(frozen=True)

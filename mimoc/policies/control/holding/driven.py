@@ -139,11 +139,7 @@ class DrivenInfant:
         return float(low), float(high)
 
     def placed(
-        self,
-        pitch_deg: float,
-        angles_deg: Mapping[str, float],
-        above_m: float = 0.0,
-        into: mujoco.MjData | None = None,
+        self, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0, into: mujoco.MjData | None = None
     ) -> mujoco.MjData:
         """Return a posture at rest, its lowest point on the floor or above it.
 
@@ -181,7 +177,6 @@ class DrivenInfant:
         return angles
 
     def _clipped(self, angles_deg: Mapping[str, float]) -> Iterator[tuple[int, float]]:
-        """Yield index and angle of the hinges that there are."""
         for pattern, angle_deg in angles_deg.items():
             for side in SIDES:
                 if limits := self._limits.get(pattern.format(side=side)):

@@ -1,7 +1,5 @@
 """Postures that infants hold: seated, prone on the forearms, on hands and knees, standing; and when one is lost."""
 
-from collections.abc import Mapping
-
 import mujoco
 import numpy as np
 
@@ -28,7 +26,18 @@ def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     def heels_down(pitch_deg: float) -> mujoco.MjData:
         return bisect(
             *infant.range_deg("left_hip1"),
-            lambda hip_deg: infant.placed(pitch_deg, _sitting_angles(pitch_deg, hip_deg, knee_deg), into=data),
+            lambda hip_deg: infant.placed(
+                pitch_deg,
+                {
+                    "{side}_hip1": hip_deg,
+                    "{side}_hip2": -35.0,
+                    "{side}_knee": knee_deg,
+                    "{side}_shoulder_ad_ab": 20.0,
+                    "{side}_elbow": -60.0,
+                    "head_tilt": -pitch_deg,
+                },
+                into=data,
+            ),
             lambda data: infant.lowest_m(data, "hip") > infant.lowest_m(data, "left_foot"),
         )
 
@@ -39,17 +48,6 @@ def _lean_over_seat(infant: DrivenInfant, data: mujoco.MjData) -> float:
     """Return where the centre of mass stands: 0 over the middle of the pelvis, 1 over the ankles."""
     seat_m, heels_m = data.xpos[infant.body("hip"), 0], data.xpos[infant.body("left_foot"), 0]
     return float((data.subtree_com[infant.root, 0] - seat_m) / (heels_m - seat_m))
-
-
-def _sitting_angles(pitch_deg: float, hip_deg: float, knee_deg: float) -> Mapping[str, float]:
-    return {
-        "{side}_hip1": hip_deg,
-        "{side}_hip2": -35.0,
-        "{side}_knee": knee_deg,
-        "{side}_shoulder_ad_ab": 20.0,
-        "{side}_elbow": -60.0,
-        "head_tilt": -pitch_deg,
-    }
 
 
 def slumped(infant: DrivenInfant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
@@ -100,22 +98,21 @@ def kneel(infant: DrivenInfant, elbow_deg: float, thigh_deg: float) -> mujoco.Mj
     return bisect(
         50.0,
         110.0,
-        lambda pitch_deg: infant.placed(pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg)),
+        lambda pitch_deg: infant.placed(
+            pitch_deg,
+            {
+                "{side}_hip1": -pitch_deg - thigh_deg,
+                "{side}_knee": -90.0 - thigh_deg,
+                "{side}_foot1": -55.0,
+                "{side}_shoulder_horizontal": 80.0,
+                "{side}_shoulder_ad_ab": pitch_deg,
+                "{side}_elbow": elbow_deg,
+                "{side}_hand2": 80.0,
+                "head_tilt": -30.0,
+            },
+        ),
         lambda data: infant.lowest_m(data, "left_hand") <= infant.lowest_m(data, "left_lower_leg"),
     )
-
-
-def _kneeling_angles(pitch_deg: float, elbow_deg: float, thigh_deg: float) -> Mapping[str, float]:
-    return {
-        "{side}_hip1": -pitch_deg - thigh_deg,
-        "{side}_knee": -90.0 - thigh_deg,
-        "{side}_foot1": -55.0,
-        "{side}_shoulder_horizontal": 80.0,
-        "{side}_shoulder_ad_ab": pitch_deg,
-        "{side}_elbow": elbow_deg,
-        "{side}_hand2": 80.0,
-        "head_tilt": -30.0,
-    }
 
 
 def on_forearms(infant: DrivenInfant) -> mujoco.MjData:

@@ -28,14 +28,7 @@ class Rehearsal:
     """Finds the commands of a control step by looking ahead to when they act, for each joint over its own delay."""
 
     def __init__(self, infant: DrivenInfant, gains: Servo, actuators: IntArray, timing: Timing):
-        """Prepare a copy of the infant and its world.
-
-        Args:
-            infant: The infant.
-            gains: Stiffness and damping of its joints.
-            actuators: Indices of the m actuators that are commanded; all others keep their controls.
-            timing: The control step, and the delays of commands.
-        """
+        """Prepare a copy of the infant and its world; actuators but the m given ones keep their controls."""
         model = infant.model
         self._model, self._ahead, self._actuators = model, mujoco.MjData(model), actuators
         self._control = Controller(infant, gains, model.opt.timestep)
@@ -62,10 +55,8 @@ class Rehearsal:
     def __call__(self, data: mujoco.MjData, propose: Propose) -> FloatArray:
         """Return the commands to send now, shape (m,).
 
-        Args:
-            data: The present state.
-            propose: Says where hinges go; it is asked once for each delay, in the state in which the commands with that
-                delay begin to act. The first time it is asked for all hinges, later for those alone.
+        *propose*, which says where hinges go, is asked once for each delay, in the state in which the commands with
+        that delay begin to act: the first time for all hinges, later for those alone.
         """
         ahead, late, total = self._copied(data), self._late, np.zeros(len(self._actuators))
         advance, target_rad = mujoco.mj_step, np.empty(0)

@@ -21,29 +21,19 @@ from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.run_jobs import failed_result
 from mimoc.studies.cohorts.store import Store
 
-Done = Callable[[int], None]
-"""Called with the number of jobs that have a result now."""
+Done = Callable[[int], None]  # Called with the number of jobs that have a result now.
 
 ENGINES: Mapping[str, str] = {
     "local": "mimoc.studies.cohorts.engines.local",
     "slurm": "mimoc.studies.cohorts.engines.slurm",
     "ray": "mimoc.studies.cohorts.engines.ray",
 }
-"""Module of each engine, imported when needed."""
-
 
 Engine = Callable[[Sequence[Job], Store, Mapping[str, Any], Done], None]
-"""Does jobs in a store, given its options; see above."""
 
 
 def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
-    """Return an engine that can run with some options.
-
-    Raises:
-        UnknownNameError: If there is none of this name, or it has no such option.
-        MissingExtraError: If what it needs is not installed.
-        MimocError: If it cannot run here, or an option has an impossible value.
-    """
+    """Return an engine that can run with some options; raise a MimocError if none can."""
     if name not in ENGINES:
         raise UnknownNameError("place to run a cohort on", name, ENGINES)
     engine = import_module(ENGINES[name])
@@ -55,20 +45,16 @@ def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
 
 
 Task = tuple[Job, ...]
-TRIES = 2
-"""How often a job is begun whose task is killed, and how often a task is that ends before its first job."""
-LONG_STEPS = ("train", "experiment")
-"""Steps whose jobs are tasks of their own."""
-JOBS_PER_TASK = 50
-"""Jobs of the other steps in a task: a start of ten seconds is then 0.2 s a job."""
+TRIES = 2  # How often a job is begun whose task is killed, and how often a task is that ends before its first job.
+LONG_STEPS = ("train", "experiment")  # Steps whose jobs are tasks of their own.
+JOBS_PER_TASK = 50  # Jobs of the other steps in a task: a start of ten seconds is then 0.2 s a job.
 
 
 class End(NamedTuple):
     """How a task has ended."""
 
     how: str
-    on_purpose: bool = False
-    """Whether somebody has cancelled it, so that it is not to be done again."""
+    on_purpose: bool = False  # Whether somebody has cancelled it, so that it is not to be done again.
 
 
 class RefusedError(MimocError):
@@ -84,11 +70,7 @@ class Cluster(Protocol):
         ...
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
-        """Begin tasks; return a name for each.
-
-        Raises:
-            RefusedError: If the cluster does not take them.
-        """
+        """Begin tasks; return a name for each. Raise a RefusedError if the cluster does not take them."""
         ...
 
     def ended(self) -> Mapping[str, End]:
@@ -139,11 +121,7 @@ def tasks_of(jobs: Sequence[Job], jobs_per_task: int | None) -> list[Task]:
 
 
 def check_positive(options: Mapping[str, Any]) -> None:
-    """Check that all numbers among some options are above zero.
-
-    Raises:
-        MimocError: If one is not.
-    """
+    """Check that all numbers among some options are above zero; raise a MimocError if one is not."""
     for name, value in options.items():
         if not isinstance(value, str) and value is not None and value <= 0:
             raise MimocError(f"{name}: {value} is too few; give a number above 0")
@@ -153,7 +131,6 @@ class _Again:
     """Decides which jobs are begun again."""
 
     def __init__(self, store: Store):
-        """Begin without any that were killed."""
         self._store = store
         self._tries: Counter[tuple[str, bool]] = Counter()
 

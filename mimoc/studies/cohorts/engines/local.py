@@ -19,21 +19,15 @@ from mimoc.studies.cohorts.store import Result, Store
 
 OPTIONS = ("processes",)
 WORKER = "mimoc.studies.cohorts.engines.local"
-TRIES = 2
-"""How often a job is begun whose process is killed."""
-PATIENCE_S = 5.0
-"""How long to wait for the end of a process that does nothing."""
-POLL_S = 1.0
-"""How often to look for processes that have ended in silence."""
+TRIES = 2  # How often a job is begun whose process is killed.
+PATIENCE_S = 5.0  # How long to wait for the end of a process that does nothing.
+POLL_S = 1.0  # How often to look for processes that have ended in silence.
 
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
     """Do jobs in as many processes as this one may use cores, or as `processes` says.
 
     A job whose process is killed is begun again in another, and fails if that is killed as well.
-
-    Raises:
-        OutputError: If the folder cannot be written.
     """
     number = options.get("processes") or len(os.sched_getaffinity(0))
     queue, tries, finished = Queue(jobs), dict[str, int](), 0
@@ -65,11 +59,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check the number of processes.
-
-    Raises:
-        MimocError: If there would be none.
-    """
+    """Check the number of processes; raise a MimocError if there would be none."""
     if (number := options.get("processes") or 1) < 1:
         raise MimocError(f"{number} processes can do nothing; give at least 1")
 

@@ -18,27 +18,18 @@ except ImportError:
     raise MissingExtraError("ray", "ray") from None
 
 OPTIONS = ("address", "jobs_per_task")
-LOCAL = "local"
-"""In place of an address: a cluster of this machine's own."""
-FOUND_BY_RAY = (LOCAL, "auto")
-"""What may stand in place of an address."""
-TASKS_PER_CORE = 4
-"""Tasks that wait or run at once, for each core of the cluster."""
+LOCAL = "local"  # In place of an address: a cluster of this machine's own.
+FOUND_BY_RAY = (LOCAL, "auto")  # What may stand in place of an address.
+TASKS_PER_CORE = 4  # Tasks that wait or run at once, for each core of the cluster.
 STARTS = 3
 """How often Ray is started on this machine until it works; a part of it gives up after 15 s, too soon for a busy
 machine."""
-ANSWER_S = 10.0
-"""How long to wait for an answer from an address."""
-POLL_S = 1.0
-"""How often to give the caller a chance."""
+ANSWER_S = 10.0  # How long to wait for an answer from an address.
+POLL_S = 1.0  # How often to give the caller a chance.
 
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
-    """Do jobs as tasks of one core each; options are OPTIONS, and a process that has joined a cluster uses that.
-
-    Raises:
-        MimocError: If there is no cluster at the address.
-    """
+    """Do jobs as tasks of one core each; a process that has joined a cluster uses that."""
     tasks = tasks_of(jobs, options.get("jobs_per_task"))
     shared = Store(store.folder.resolve())
     if ray.is_initialized():
@@ -56,11 +47,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check that numbers are positive, and that something answers at the address.
-
-    Raises:
-        MimocError: If not.
-    """
+    """Check that numbers are positive, and that something answers at the address; raise a MimocError if not."""
     check_positive(options)
     address = _address(options)
     if address in FOUND_BY_RAY:
@@ -75,7 +62,6 @@ def check(options: Mapping[str, Any]) -> None:
 
 
 def _address(options: Mapping[str, Any]) -> str:
-    """Return the address of a cluster, `local` for one that is to be started."""
     return options.get("address") or os.environ.get("RAY_ADDRESS") or LOCAL
 
 
@@ -86,7 +72,6 @@ def _no_cluster(address: str, problem: str) -> MimocError:
 
 
 def _start() -> None:
-    """Start a cluster on this machine, with all cores that this process may use."""
     for tries_left in reversed(range(STARTS)):
         problem = _problem(LOCAL, num_cpus=len(os.sched_getaffinity(0)), include_dashboard=False)
         if problem is None:
@@ -96,7 +81,6 @@ def _start() -> None:
 
 
 def _problem(address: str, **options: Any) -> str | None:
-    """Return why a cluster cannot be joined or started; None if it is."""
     try:
         ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **options)
     except Exception as error:  # Ray raises just that if a node does not start in time.
@@ -109,32 +93,27 @@ class _Ray:
     """Tasks that a Ray cluster does."""
 
     def __init__(self, store: Store):
-        """Prepare to submit tasks."""
         self._store, self._running = store, dict[str, ray.ObjectRef]()
         pinned = {"env_vars": dict(PINNED)}
         self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(run_jobs)
 
     @property
     def room(self) -> int:
-        """Tasks for all cores that the cluster has now."""
         return TASKS_PER_CORE * max(1, int(ray.cluster_resources().get("CPU", 1)))
 
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
-        """Begin tasks."""
         begun = [self._do.remote(task, self._store) for task in tasks]
         names = [task.hex() for task in begun]
         self._running.update(zip(names, begun, strict=True))
         return names
 
     def ended(self) -> Mapping[str, End]:
-        """Return how tasks have ended."""
         ready, _ = ray.wait([*self._running.values()], num_returns=1, timeout=POLL_S)
         if ready:
             ready, _ = ray.wait([*self._running.values()], num_returns=len(self._running), timeout=0)
         return {task.hex(): _end(self._running.pop(task.hex())) for task in ready}
 
     def cancel(self) -> None:
-        """Cancel all tasks."""
         for task in self._running.values():
             ray.cancel(task, force=True)
 

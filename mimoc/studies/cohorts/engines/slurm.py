@@ -22,27 +22,19 @@ except ImportError:
     raise MissingExtraError("submitit", "slurm") from None
 
 OPTIONS = ("partition", "time_min", "memory_gb", "array_limit", "jobs_per_task")
-TIME_MIN = 60
-"""Time that a task may take unless said otherwise."""
-ARRAY = 1000
-"""Most tasks of an array, since SLURM's own limit is 1001 unless an administrator has changed it."""
-ENDED = {
+TIME_MIN = 60  # Time that a task may take unless said otherwise.
+ARRAY = 1000  # Most tasks of an array, since SLURM's own limit is 1001 unless an administrator has changed it.
+ENDED = {  # SLURM's states of tasks that will not run again.
     *("BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL"),
     *("OUT_OF_MEMORY", "PREEMPTED", "REVOKED", "TIMEOUT"),
 }
-"""SLURM's states of tasks that will not run again."""
 POLLS_S = (1.0, 15.0)
 """How long to wait before asking for the states of tasks: at first, and after a while in which none has ended."""
-PATIENCE_S = 1800.0
-"""How long to wait for a controller that does not answer."""
+PATIENCE_S = 1800.0  # How long to wait for a controller that does not answer.
 
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
-    """Do jobs as tasks of arrays; options are OPTIONS.
-
-    Raises:
-        MimocError: If SLURM is not here, refuses the tasks, or does not answer for long.
-    """
+    """Do jobs as tasks of arrays; raise a MimocError if SLURM refuses them, or does not answer for long."""
     shared, tasks = Store(store.folder.resolve()), tasks_of(jobs, options.get("jobs_per_task"))
     folder = Path(tempfile.mkdtemp(prefix="run-", dir=make_folder(shared.folder / "slurm", below=shared.folder)))
     try:
@@ -55,11 +47,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check that SLURM is here, and that numbers are positive.
-
-    Raises:
-        MimocError: If not.
-    """
+    """Check that SLURM is here, and that numbers are positive; raise a MimocError if not."""
     check_positive(options)
     if missing := [name for name in ("sbatch", "squeue", "scancel") if not shutil.which(name)]:
         raise MimocError(f"there is no SLURM here: no command '{missing[0]}'; run this where SLURM jobs are submitted")
@@ -71,7 +59,6 @@ class _Slurm:
     room = ARRAY
 
     def __init__(self, store: Store, folder: Path, options: Mapping[str, Any]):
-        """Prepare to submit tasks, with what submitit writes in a folder."""
         self._store, self._running, self._poll_s = store, set[str](), POLLS_S[0]
         self._executor = submitit.SlurmExecutor(folder=folder)
         asked = {

@@ -15,16 +15,10 @@ from mimoc.runtime.sense import FloatArray, Observation
 
 LIMBS = ("left_arm", "right_arm", "left_hip", "right_hip", "left_knee", "right_knee")
 """Parts whose drive has a gain of its own; feet and toes are driven with the knee."""
-OF_LIMB = {
-    "arm": ("shoulder", "elbow", "wrist", "hand", "fingers"),
-    "hip": ("hip",),
-    "knee": ("knee", "foot", "toes"),
-}
+OF_LIMB = {"arm": ("shoulder", "elbow", "wrist", "hand", "fingers"), "hip": ("hip",), "knee": ("knee", "foot", "toes")}
 """Beginnings of the names of actuators, after the side."""
-PARTS = {"arm": ("arm",), "leg": ("hip", "knee")}
-"""Parts of the limbs of the policy, whose bursts begin at one rate."""
-Forces = Callable[[mujoco.MjData], None]
-"""Sets forces from outside, which act for a control step."""
+PARTS = {"arm": ("arm",), "leg": ("hip", "knee")}  # Parts of the limbs of the policy, whose bursts begin at one rate.
+Forces = Callable[[mujoco.MjData], None]  # Sets forces from outside, which act for a control step.
 
 
 class Mover:
@@ -71,8 +65,13 @@ class Mover:
             if self._forces:
                 self._forces(self.env.data)
             action = self._policy(self._generator, self._observation)
-            self._observation = self.env.step(self._scaled(action))[0]
-            self._movement, self._since = self._movement + self._limb_speeds(), self._since + 1
+            gains = np.append(self._gains, 1.0)[self._limbs]
+            scaled = np.clip(self._rest + gains * (action - self._rest), self._low, self._high).astype(np.float32)
+            self._observation = self.env.step(scaled)[0]
+            slots, size = self._limbs_of_dofs + 1, len(LIMBS) + 1
+            sums = np.bincount(slots, np.abs(self.env.data.qvel), size)
+            speeds = (sums / np.maximum(np.bincount(slots, minlength=size), 1))[1:]
+            self._movement, self._since = self._movement + speeds, self._since + 1
             yield self.env.data
 
     def take_movement(self) -> FloatArray:
@@ -95,14 +94,6 @@ class Mover:
         side, _, part = limb.partition("_")
         parts = [LIMBS.index(f"{side}_{name}") for name in PARTS.get(part, ())]
         return float(np.exp(np.log(self._gains[parts]).mean())) if parts else 1.0
-
-    def _limb_speeds(self) -> FloatArray:
-        sums = np.bincount(self._limbs_of_dofs + 1, np.abs(self.env.data.qvel), len(LIMBS) + 1)
-        return (sums / np.maximum(np.bincount(self._limbs_of_dofs + 1, minlength=len(LIMBS) + 1), 1))[1:]
-
-    def _scaled(self, action: np.ndarray) -> np.ndarray:
-        gains = np.append(self._gains, 1.0)[self._limbs]
-        return np.clip(self._rest + gains * (action - self._rest), self._low, self._high).astype(np.float32)
 
 
 def limb_of_actuators(env: InfantEnv) -> np.ndarray:

@@ -13,13 +13,12 @@ from mimoc.bundle.variants import Variant
 from mimoc.compiler import pipeline
 from mimoc.motion.points import SIDES
 from mimoc.runtime.env import InfantEnv
-from mimoc.schema.infant import InfantSpec
+from mimoc.studies.experiments.notebook import child
 
 LEG_PARTS = ("upper_leg", "lower_leg", "foot", "toes")
 HELD_ARMATURE = 1e9
 """Armature of degrees of freedom that are held, in [kg] and [kg m²]: an infant of 5 kg sinks by .1 mm in a minute."""
-MONTHS_PER_WEEK = 12 / 52.1775
-"""Ages of the literature are in weeks."""
+MONTHS_PER_WEEK = 12 / 52.1775  # Ages of the literature are in weeks.
 MOBILE, RIBBON = "mobile", "ribbon"
 RING_M, HANGS_M = 0.5, 0.2
 """Height of the ring that the ribbon runs through, above the hips, and of the mobile below it; a guess."""
@@ -34,30 +33,34 @@ class Setup:
     age_months: float
     held: bool = False
     """Whether trunk, head and arms are held upright, the soles on the floor; otherwise it lies on its back."""
-    left_kg: float = 0.0
-    """Weight at the left ankle."""
+    left_kg: float = 0.0  # Weight at the left ankle.
     right_kg: float = 0.0
-    tied: Literal["", "left", "right"] = ""
-    """The leg whose ankle a ribbon ties to a mobile; no leg if empty."""
-    strength: float = 1.0
-    """Factor on the strength of the legs."""
-    feels: bool = False
-    """Whether it has touch and balance, which reflexes need."""
+    tied: Literal["", "left", "right"] = ""  # The leg whose ankle a ribbon ties to a mobile; no leg if empty.
+    strength: float = 1.0  # Factor on the strength of the legs.
+    feels: bool = False  # Whether it has touch and balance, which reflexes need.
 
 
 def open_infant(setup: Setup) -> InfantEnv:
     """Return the environment of an infant, not yet reset; there is nothing else in its world."""
     bundle = bundle_of(setup)
-    scene = _scene(bundle)
+    xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
+    scene = mujoco.MjSpec.from_string(xml, include=files, assets=files)
     for side, mass_kg in zip(SIDES, (setup.left_kg, setup.right_kg), strict=True):
         if mass_kg:
-            _add_weight(scene, side, mass_kg)
+            ankle = scene.body(f"{side}_foot").pos  # Where the foot turns, in the frame of the shank.
+            ball = mujoco.mjtGeom.mjGEOM_SPHERE
+            scene.body(f"{side}_lower_leg").add_geom(
+                name=f"{side}_weight", type=ball, size=[0.01, 0, 0], pos=ankle, mass=mass_kg, contype=0, conaffinity=0
+            )
     if setup.tied:
         _add_mobile(scene, setup.tied)
     model = scene.compile()
     prepare(model)
     if setup.held:
-        _hold(model)
+        free = [f"robot:{side}_{joint}" for side in SIDES for joint in ("hip1", "knee", "foot1", "toes")]
+        held = np.ones(model.nv, bool)  # All but the legs, which move forwards and backwards only.
+        held[[int(model.joint(name).dofadr[0]) for name in free]] = False
+        model.dof_armature[held] = HELD_ARMATURE
     return InfantEnv(Variant(bundle, model))
 
 
@@ -89,30 +92,10 @@ def leg_kg(age_months: float) -> float:
 
 def bundle_of(setup: Setup) -> Bundle:
     """Return the infant without weights, mobile and apparatus."""
-    spec: dict[str, object] = {
-        "mimoc": 1,
-        "name": "legs",
-        "age_months": setup.age_months,
-        "scene": {"kind": "flat", "pose": "standing" if setup.held else "supine"},
-        "actuation": {"model": "muscle", "strength": {"legs": setup.strength}},
-    }
-    if setup.feels:
-        spec["senses"] = {"touch": {}, "vestibular": {}}
-    return pipeline.build(InfantSpec.model_validate(spec))
-
-
-def _scene(bundle: Bundle) -> mujoco.MjSpec:
-    xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
-    return mujoco.MjSpec.from_string(xml, include=files, assets=files)
-
-
-def _add_weight(scene: mujoco.MjSpec, side: str, mass_kg: float) -> None:
-    """Tie a small weight, which touches nothing, to an ankle."""
-    ankle = scene.body(f"{side}_foot").pos  # Where the foot turns, in the frame of the shank.
-    ball = mujoco.mjtGeom.mjGEOM_SPHERE
-    scene.body(f"{side}_lower_leg").add_geom(
-        name=f"{side}_weight", type=ball, size=[0.01, 0, 0], pos=ankle, mass=mass_kg, contype=0, conaffinity=0
-    )
+    scene = {"kind": "flat", "pose": "standing" if setup.held else "supine"}
+    actuation = {"model": "muscle", "strength": {"legs": setup.strength}}
+    senses = {"senses": {"touch": {}, "vestibular": {}}} if setup.feels else {}
+    return pipeline.build(child("legs", setup.age_months, scene=scene, actuation=actuation, **senses))
 
 
 def _add_mobile(scene: mujoco.MjSpec, side: str) -> None:
@@ -131,11 +114,3 @@ def _add_mobile(scene: mujoco.MjSpec, side: str) -> None:
     ribbon = scene.add_tendon(name=RIBBON, limited=1, range=[0.0, 10.0])
     for site in (f"BODY_25:{side[0].upper()}Ankle", "ring", MOBILE):
         ribbon.wrap_site(site)
-
-
-def _hold(model: mujoco.MjModel) -> None:
-    """Let an apparatus hold all but the legs, which move forwards and backwards only."""
-    free = [f"robot:{side}_{joint}" for side in SIDES for joint in ("hip1", "knee", "foot1", "toes")]
-    held = np.ones(model.nv, bool)
-    held[[int(model.joint(name).dofadr[0]) for name in free]] = False
-    model.dof_armature[held] = HELD_ARMATURE

@@ -1,6 +1,6 @@
-"""Means over seeds with their intervals, and tests of a direction."""
+"""Means over seeds with their intervals, tests of a direction, and what a condition changes, seed by seed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import comb, sqrt
 from statistics import fmean, stdev
@@ -44,6 +44,11 @@ def band_of(x: Sequence[float] | FloatArray, means: Sequence[Interval], label: s
     return Band(x, [mean.low for mean in means], [mean.high for mean in means], label, look)
 
 
+def band_of_seeds(x: FloatArray, curves: FloatArray, label: str) -> Band:
+    """Return the intervals of the means of curves, shape (seeds, n), as a band of a plot."""
+    return band_of(x, [interval(column.tolist()) for column in curves.T], label)
+
+
 def sign_test(changes: Sequence[float]) -> float:
     """Return how likely at least as many rises would be if rises and falls were equally likely; ties are left out.
 
@@ -53,3 +58,40 @@ def sign_test(changes: Sequence[float]) -> float:
     moved = [change > 0 for change in changes if change]
     count, rises = len(moved), sum(moved)
     return sum(comb(count, more) for more in range(rises, count + 1)) / 2**count
+
+
+LEVEL = 0.05  # Chance below which a direction counts as shown.
+Values = Sequence[Mapping[str, float]]  # Measures of each seed.
+
+
+def relative_changes(plain: Values, changed: Values, measure: str) -> list[float]:
+    """Return (c - p) / mean(p) of each seed, p and c being its values without and with a condition.
+
+    Of seeds without a value, nothing is returned; nothing at all if the mean is zero.
+    """
+    pairs = [(p[measure], c[measure]) for p, c in zip(plain, changed, strict=True) if measure in p and measure in c]
+    mean = fmean(before for before, _ in pairs) if pairs else 0.0
+    return [(after - before) / mean for before, after in pairs] if mean else []
+
+
+def change_text(changes: Sequence[float]) -> str:
+    """Return a mean change with its interval, and how many seeds it has the direction of."""
+    if not changes:
+        return "-"
+    mean = interval(changes)
+    rises = mean.mean > 0
+    same = sum((change > 0) == rises for change in changes if change)
+    return f"{mean.text(percent=True)}, {same} of {len(changes)}"
+
+
+def direction(changes: Sequence[float], least: float = 0.0) -> str:
+    """Return `more` or `less` if too many seeds change so for chance (p < .05), and the mean by at least some share.
+
+    Otherwise `same`; with so few seeds that not even all of them would do, `unclear`.
+    """
+    if 0.5 ** len(changes) >= LEVEL:
+        return "unclear"
+    mean = interval(changes).mean
+    if mean >= least and sign_test(changes) < LEVEL:
+        return "more"
+    return "less" if mean <= -least and sign_test([-change for change in changes]) < LEVEL else "same"

@@ -5,29 +5,23 @@ import numpy as np
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.legs.driving import LIMBS
 
-WINDOW_S = 2.0
-"""Time over which reward and movement are averaged; a guess."""
+WINDOW_S = 2.0  # Time over which reward and movement are averaged; a guess.
 EXPECTED = len(LIMBS) ** -0.5
 """Standard deviation of what one limb may predict, before any experience: that all of them together predict all."""
-FORGETTING_S = 300.0
-"""Time constant in which experience loses its worth; fitted."""
-EFFORT = 10.0
-"""Logarithm of the gain of a limb that predicts reward fully; fitted."""
-MOST = 3.0
-"""Standard deviations beyond which nothing counts more."""
-EXPECTING_S = 60.0
-"""Time constant of the means and variances that are expected; a guess."""
-LARGEST = float(np.log(4.0))
-"""Of the logarithm of a gain; a guess."""
-SMALLEST_REWARD = 1e-4
-"""Reward below which nothing is seen to move, [m/s]."""
+FORGETTING_S = 300.0  # Time constant in which experience loses its worth; fitted.
+EFFORT = 10.0  # Logarithm of the gain of a limb that predicts reward fully; fitted.
+MOST = 3.0  # Standard deviations beyond which nothing counts more.
+EXPECTING_S = 60.0  # Time constant of the means and variances that are expected; a guess.
+LARGEST = float(np.log(4.0))  # Of the logarithm of a gain; a guess.
+SMALLEST_REWARD = 1e-4  # Reward below which nothing is seen to move, [m/s].
+
+PAGE_NUMBERS = {"window": WINDOW_S, "largest": np.exp(LARGEST), "effort": EFFORT, "forgetting": FORGETTING_S}
 
 
 class Expected:
     """Running mean and variance of some numbers: the plain ones at first, later those of the last minute."""
 
     def __init__(self, size: int):
-        """Begin without any experience of *size* numbers."""
         self._mean, self._variance, self._count = np.zeros(size), np.zeros(size), 0
 
     def standardised(self, values: FloatArray) -> FloatArray:
@@ -58,7 +52,6 @@ class GainLearner:
     """
 
     def __init__(self):
-        """Begin without any experience."""
         self.strengths = np.zeros(len(LIMBS))
         """How much the movement of each limb predicts reward, in standard deviations, shape (6,)."""
         self._covariance = EXPECTED**2 * np.eye(len(LIMBS))
@@ -70,11 +63,9 @@ class GainLearner:
         return np.exp(np.clip(EFFORT * self.strengths * np.abs(self.strengths), -LARGEST, LARGEST))
 
     def feel(self, reward: float, movement: FloatArray) -> None:
-        """Learn from a window that has just ended.
+        """Learn from a window that has just ended, in which what it sees moved by *reward*, [m/s].
 
-        Args:
-            reward: How fast what it sees has moved, [m/s]; next to 0 is nothing, of which nothing is learnt.
-            movement: How fast each limb has moved, in any unit, shape (6,).
+        Of next to no reward nothing is learnt; the movement of each limb, shape (6,), can have any unit.
         """
         keep = np.exp(-WINDOW_S / FORGETTING_S)
         self.strengths = keep * self.strengths

@@ -15,8 +15,7 @@ class Phases:
     """The phases of a session."""
 
     lengths_s: tuple[float, ...]
-    longest_s: float
-    """Most of the end of a phase by which it is judged."""
+    longest_s: float  # Most of the end of a phase by which it is judged.
 
     @property
     def ends_s(self) -> tuple[float, ...]:

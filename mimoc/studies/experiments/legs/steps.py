@@ -9,14 +9,14 @@ import mujoco
 import numpy as np
 from scipy.signal import find_peaks
 
+from mimoc.base.units import GRAVITY_M_S2
 from mimoc.motion.body_points import locate
 from mimoc.policies.named import policy_of
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.studies.experiments.legs.driving import Mover
-from mimoc.studies.experiments.legs.infants import SIDES, Setup, open_infant
+from mimoc.studies.experiments.legs.infants import SIDES, Setup, legs_of, open_infant
 from mimoc.studies.experiments.legs.trials import Result
-from mimoc.studies.experiments.legs.water import Water
 
 SHARE, SPREAD = 0.13, 0.5
 """Median activation of the muscles that bend a leg, fitted, so that newborns step about as often as published, and the
@@ -25,17 +25,14 @@ BURST_S = 0.6
 """How long the muscles of a step are active; flexion of a kick takes .3 to .4 s, and it has to be put down again."""
 TRIES_PER_MIN = 24.0
 """Steps that are tried a minute, with both legs in turn; a guess, with published rates of 5 to 20 a minute in view."""
-UNEVEN = 0.2
-"""Standard deviation of the logarithm of the time between two tries; a guess."""
+UNEVEN = 0.2  # Standard deviation of the logarithm of the time between two tries; a guess.
 BENDING = {"hip_flex_negative": 1.0, "knee_negative": 0.7, "foot_flexion_positive": 0.5}
 """Muscles of a step, after the side, by the activation of the hip's: all of them bend, as in kicks (Thelen & Fisher
 1983); sizes are a guess."""
 STRETCHING = {"hip_flex_positive": 1.0, "knee_positive": 1.0}
 """Muscles that stretch a leg while it is not lifted, as newborns bear weight on their legs (positive support)."""
-STANCE = 0.15
-"""Their activation; a guess."""
-LIFT_SHARE = 0.1
-"""Least rise of the foot that counts as a step, by the length of the leg."""
+STANCE = 0.15  # Their activation; a guess.
+LIFT_SHARE = 0.1  # Least rise of the foot that counts as a step, by the length of the leg.
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,24 +41,16 @@ class StepCase:
 
     age_months: float
     seconds: float
-    weight_kg: float = 0.0
-    """At each ankle."""
-    water: bool = False
-    """Whether it stands in water up to the chest."""
-    strength: float = 1.0
-    """Factor on the strength of its legs."""
-    reflex: bool = False
-    """Whether the policy `reflexes` steps instead of the simple drive."""
+    weight_kg: float = 0.0  # At each ankle.
+    water: bool = False  # Whether it stands in water up to the chest.
+    strength: float = 1.0  # Factor on the strength of its legs.
+    reflex: bool = False  # Whether the policy `reflexes` steps instead of the simple drive.
 
 
 class AlternateSteps:
-    """A policy that bends the legs of an infant with muscles in turn: activation is a share times sin² over a burst.
-
-    A leg that is not bent is stretched a little.
-    """
+    """Bends legs in turn: activation is a share times sin² over a burst; the other leg is stretched a little."""
 
     def __init__(self, env: Infant):
-        """Look up the muscles."""
         names = [env.model.actuator(int(index)).name for index in env.actuation.actuators]
         self._bends, self._stretches = (
             {side: [names.index(f"act:{side}_{name}") for name in muscles] for side in SIDES}
@@ -92,14 +81,8 @@ class AlternateSteps:
 
 def stepping(case: StepCase, seed: int) -> Result:
     """Hold an infant upright, let it step for a while, and measure its steps."""
-    setup = Setup(
-        case.age_months,
-        held=True,
-        left_kg=case.weight_kg,
-        right_kg=case.weight_kg,
-        strength=case.strength,
-        feels=case.reflex,
-    )
+    weight_kg = case.weight_kg
+    setup = Setup(case.age_months, True, weight_kg, weight_kg, strength=case.strength, feels=case.reflex)
     with closing(open_infant(setup)) as env:
         forces = Water(env.model) if case.water else None
         mover = Mover(env, seed, partial(policy_of, policy="reflexes") if case.reflex else AlternateSteps, forces)
@@ -111,11 +94,7 @@ def summarise_steps(model: mujoco.MjModel, qpos: FloatArray, rate_hz: float) -> 
     """Return steps a minute of both legs, and mean rise of the foot and range of the hip of all tries, steps or not.
 
     A step is a maximum of the height of an ankle with a prominence of at least a tenth of the length of the leg.
-
-    Args:
-        model: The infant.
-        qpos: Its configurations, shape (t, nq).
-        rate_hz: Configurations per second.
+    Configurations have the shape (t, nq).
     """
     steps, lifts_cm, hips_deg = 0, [], []
     for side in SIDES:
@@ -133,3 +112,51 @@ def _height(values: FloatArray) -> float:
     """Return how far the 95th percentile is above the lowest tenth: how high a leg comes when it is lifted."""
     low, high = np.percentile(values, [10.0, 95.0])
     return float(high - low)
+
+
+WATER_KG_M3 = 1000.0
+LIMB_KG_M3 = 1030.0  # Density of an infant's legs: a fifth fat of 900, the rest of 1065 kg/m³ (derived).
+DRAG = 1.0  # Drag coefficient of a cylinder across the stream, at Reynolds numbers of 10³ to 10⁵ (an assumption).
+ADDED = 1.0
+"""Mass of water that moves along with a cylinder across the stream, by that of the water it displaces (potential flow).
+"""
+
+
+class Water:
+    """Forces of water on both legs.
+
+    On a part of mass m and velocity v of its centre of mass act, with r the density of water by that of the leg,
+
+        buoyancy  m g r  upwards, so that its weight in water is m g (1 - r), and
+        drag      -½ d c A |v| v,  with the density d of water, and c = DRAG,
+
+    and a = ADDED m r of water moves along with it: a is added to its mass, but has no weight. A is the broadside of the
+    box that has its mass and inertia. Water up to the chest covers the legs wholly, whatever they do.
+    """
+
+    def __init__(self, model: mujoco.MjModel):
+        """Fill in water, which changes the masses in *model*."""
+        self._model, self._legs = model, legs_of(model)
+        mass_kg = model.body_mass[self._legs].copy()
+        displaced_kg = mass_kg * WATER_KG_M3 / LIMB_KG_M3
+        self._drag = 0.5 * WATER_KG_M3 * DRAG * broadsides_m2(model, self._legs)
+        self._lift_n = (1.0 + ADDED) * displaced_kg * GRAVITY_M_S2
+        model.body_mass[self._legs] += ADDED * displaced_kg
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+
+    def __call__(self, data: mujoco.MjData) -> None:
+        """Set the forces that act until the next call."""
+        velocity = np.zeros(6)
+        for body, drag, lift_n in zip(self._legs, self._drag, self._lift_n, strict=True):
+            mujoco.mj_objectVelocity(self._model, data, mujoco.mjtObj.mjOBJ_BODY, body, velocity, 0)
+            speed_m_s = velocity[3:]
+            data.xfrc_applied[body, :3] = -drag * np.linalg.norm(speed_m_s) * speed_m_s
+            data.xfrc_applied[body, 2] += lift_n
+
+
+def broadsides_m2(model: mujoco.MjModel, bodies: list[int]) -> FloatArray:
+    """Return the largest side of the box that has the mass and the inertia of a body, shape (n,)."""
+    inertia = model.body_inertia[bodies]
+    squares = 6.0 * (inertia.sum(axis=1, keepdims=True) - 2.0 * inertia) / model.body_mass[bodies, None]
+    edges_m = np.sort(np.sqrt(np.maximum(squares, 0.0)), axis=1)
+    return edges_m[:, 1] * edges_m[:, 2]

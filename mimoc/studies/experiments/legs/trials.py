@@ -11,11 +11,9 @@ from mimoc.bundle.files import remove
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real
 from mimoc.studies.experiments.notebook import Notebook
-from mimoc.studies.kept_results import keep, kept_file, read_kept
-from mimoc.studies.processes import process_pool
+from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
 
-FOLDER = "trials"
-"""Where finished trials are kept until all of them are."""
+FOLDER = "trials"  # Where finished trials are kept until all of them are.
 
 
 class Result(Model):
@@ -31,21 +29,13 @@ class Result(Model):
 class Trial:
     """Something that is done with an infant, once for a seed."""
 
-    run: Callable[[Any, int], Result]
-    """A function of a module, from what is tried and a seed to what came of it."""
-    case: Any
-    """What is tried: a frozen dataclass of plain values."""
+    run: Callable[[Any, int], Result]  # A function of a module, from what is tried and a seed to what came of it.
+    case: Any  # What is tried: a frozen dataclass of plain values.
     seed: int
 
 
 def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
-    """Return what came of trials, in their order; those that an earlier run of the same software finished are kept.
-
-    Quick experiments run in this process, others in as many as there are processors.
-
-    Raises:
-        OutputError: If a result cannot be written.
-    """
+    """Return what came of trials, in their order; those that the same software finished earlier are kept."""
     folder, count = notebook.folder, notebook.counter(len(trials))
     files = [_file(folder, trial) for trial in trials]
     results = {slot: result for slot, file in enumerate(files) if (result := read_kept(file, Result, below=folder))}
@@ -61,20 +51,39 @@ def run_trials(notebook: Notebook, trials: Sequence[Trial]) -> list[Result]:
         for slot in waiting:
             finish(slot, _run(trials[slot]))
     else:
-        _run_side_by_side(trials, waiting, finish)
+        with process_pool(os.cpu_count() or 1) as pool:
+            running = {pool.submit(_run, trials[slot]): slot for slot in waiting}
+            for future in as_completed(running):
+                finish(running[future], future.result())
     return [results[slot] for slot in range(len(trials))]
+
+
+def run_cases(
+    notebook: Notebook, cases: Sequence[tuple[Callable[[Any, int], Result], Any]], seeds: Sequence[int]
+) -> dict[Any, list[Result]]:
+    """Return what comes of each case, by a function that tries it with each seed; equal cases are one."""
+    functions = {case: function for function, case in cases}
+    trials = [Trial(function, case, seed) for case, function in functions.items() for seed in seeds]
+    results = iter(run_trials(notebook, trials))
+    return {case: [next(results) for _ in seeds] for case in functions}
+
+
+def write_measures(
+    notebook: Notebook, file: str, results: Mapping[Any, Sequence[Result]], seeds: Sequence[int], **columns: str
+) -> None:
+    """Write a CSV with a row for each case, seed and measure; columns are attributes of cases by their headings."""
+    rows = (
+        (*(getattr(case, name) for name in columns.values()), seed, *measure)
+        for case, same in results.items()
+        for seed, result in zip(seeds, same, strict=True)
+        for measure in result.values.items()
+    )
+    notebook.write_table(file, ",".join((*columns, "seed", "measure", "value")), rows)
 
 
 def forget_trials(notebook: Notebook) -> None:
     """Remove the results of an experiment that has ended, so that the next one begins anew."""
     remove(notebook.folder / FOLDER)
-
-
-def _run_side_by_side(trials: Sequence[Trial], waiting: Sequence[int], finish: Callable[[int, Result], None]) -> None:
-    with process_pool(os.cpu_count() or 1) as pool:
-        running = {pool.submit(_run, trials[slot]): slot for slot in waiting}
-        for future in as_completed(running):
-            finish(running[future], future.result())
 
 
 def _run(trial: Trial) -> Result:

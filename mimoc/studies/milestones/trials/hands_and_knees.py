@@ -16,8 +16,7 @@ HELD_S = 10.0
 ELBOWS_DEG = (-30.0, -40.0)
 """Elbows of the postures that are tried: bent, so that muscles carry the infant. Stretched, its weight would lock them
 against the ends of their range, and arms would need hardly any strength."""
-THIGHS_DEG = (0.0, 20.0)
-"""Forward slants of the thighs that are tried."""
+THIGHS_DEG = (0.0, 20.0)  # Forward slants of the thighs that are tried.
 ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
 
 
@@ -50,14 +49,11 @@ def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
 HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still, SUPPORTS)
 ROCKING = Trial("rocking", "rocks on hands and knees for 10 s", _rocking, SUPPORTS)
 
-
 ARM_S, ARM_HELD_S = 6.0, 3.0
-LOWEST_DEG = -20.0
-"""How far the hand may be below the shoulder, as the elevation of the line from shoulder to hand."""
+LOWEST_DEG = -20.0  # How far the hand may be below the shoulder, as the elevation of the line from shoulder to hand.
 CLEARANCE_M = 0.2
 LIFTING_S, RAISED_S = 3.0, 1.0
-RAISED_DEG = 60.0
-"""How far the thighs have to point up from level."""
+RAISED_DEG = 60.0  # How far the thighs have to point up from level.
 HIPS_DEG = -80.0
 LOWER_LEGS = ("left_lower_leg", "right_lower_leg")
 

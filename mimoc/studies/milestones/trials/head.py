@@ -13,11 +13,9 @@ from mimoc.studies.milestones.trial import Attempt, Trial
 
 PRONE_S = 3.0
 RAISED_S = 3.0
-MOST_LAG_DEG = 20.0
-"""How far the head may stay behind the trunk while it is raised."""
+MOST_LAG_DEG = 20.0  # How far the head may stay behind the trunk while it is raised.
 SUPINE_S, SUPINE_HELD_S = 3.0, 1.0
-SUPINE_RAISED_DEG = 45.0
-"""How far the face has to be turned forward from straight up."""
+SUPINE_RAISED_DEG = 45.0  # How far the face has to be turned forward from straight up.
 
 
 def _prone(infant: TrialInfant) -> Iterator[Attempt]:
@@ -65,13 +63,10 @@ PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° 
 HEAD_LAG = Trial("no_head_lag", "raised to sitting in 3 s, the head lags by less than 20°", _raised)
 SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° for 1 s", _supine)
 
-
 ROLLING_S, ROLLED_S = 5.0, 0.5
 ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
-GATHERING_S = 1.0
-"""How long the infant draws up its legs before it turns."""
-FACE_DOWN_DEG = -60.0
-"""How far the front of the chest has to be turned down; 0 is lying on the side."""
+GATHERING_S = 1.0  # How long the infant draws up its legs before it turns.
+FACE_DOWN_DEG = -60.0  # How far the front of the chest has to be turned down; 0 is lying on the side.
 LYING_DEG = {"{side}_hip1": -30.0, "{side}_knee": -40.0, "{side}_elbow": -20.0}
 GATHERED_DEG = {"{side}_hip1": -110.0, "{side}_knee": -90.0}
 THROWN_DEG = {
@@ -87,12 +82,10 @@ THROWN_DEG = {
     "{near}_elbow": 0.0,
 }
 """The far arm and leg thrown across the body, the near ones out of their way: stretched, the arm beside the head."""
-TRUNK_DEG = {"hip_rot1": 18.0, "head_swivel": 60.0}
-"""The twist of trunk and head when rolling to the left."""
+TRUNK_DEG = {"hip_rot1": 18.0, "head_swivel": 60.0}  # The twist of trunk and head when rolling to the left.
 
 
 def _rolling(infant: TrialInfant) -> Iterator[Attempt]:
-    """Yield attempts to roll to the left and to the right."""
     for near, far in (SIDES, SIDES[::-1]):
         yield _attempt(infant, near, far)
 

@@ -1,11 +1,11 @@
-"""Standing alone, half a squat, and pulling up to stand: hands on a rail lead the trunk, the legs lift it."""
+"""Sitting, standing alone, half a squat, and pulling up to stand: hands on a rail lead the trunk, the legs lift it."""
 
 from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 
-from mimoc.policies.control.holding.postures import FEET, fallen, stance
+from mimoc.policies.control.holding.postures import FEET, SEAT, fallen, seat, slumped, stance
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
 
@@ -48,14 +48,11 @@ def _balanced(infant: TrialInfant) -> TrialInfant:
 
 
 SQUAT_KNEE_DEG = -60.0
-LEAST_SQUAT = 0.85
-"""Height of the hips below which the squat is lost, by that at its start."""
-VERTICAL = 2
-"""The degree of freedom in which the hip goes up and down."""
+LEAST_SQUAT = 0.85  # Height of the hips below which the squat is lost, by that at its start.
+VERTICAL = 2  # The degree of freedom in which the hip goes up and down.
 
 STANDING = Trial("stand", "stands alone for 10 s", _standing, FEET, "fitted")
 HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat, FEET)
-
 
 RISING_S, RISEN_S, HELD_S = 3.0, 5.0, 1.0
 """How long the trunk is led, when the trial ends, and how long the infant has to be up by then."""
@@ -75,7 +72,7 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
     squat, stand = (stance(infant, knee_deg, LEAN) for knee_deg in (DEEP_KNEE_DEG, 0.0))
     start, end = squat.qpos[infant.angles].copy(), stand.qpos[infant.angles].copy()
     forward_m = float(squat.body("left_foot").xpos[0] - stand.body("left_foot").xpos[0])
-    pitches = [_pitch_rad(data) for data in (squat, stand)]
+    pitches = [float(2 * np.arctan2(data.qpos[5], data.qpos[3])) for data in (squat, stand)]
     forbidden = infant.parts_without(FEET)
 
     def lead(data: mujoco.MjData, time_s: float) -> None:
@@ -102,9 +99,30 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
     )
 
 
-def _pitch_rad(data: mujoco.MjData) -> float:
-    """Return the rotation of the hip about y."""
-    return float(2 * np.arctan2(data.qpos[5], data.qpos[3]))
-
-
 PULL_TO_STAND = Trial("pull_to_stand", "rises from a squat to standing with its legs, balance given", _pulling_up, FEET)
+
+SITTING_S = 10.0
+SITTING_KNEES_DEG = (-60.0, -40.0, -20.0)  # Knees of the postures that are tried.
+SITTING_LEANS = (0.3, 0.4)
+"""Where the centre of mass stands in the postures that are tried: 0 over the seat, 1 over the heels.
+
+Chosen while looking at the ages. Upright, closer to the seat, a trunk balances without strength, so that even a
+month-old infant sits; that takes control without noise and delay. Further forward, the trunk has to be strong.
+"""
+
+
+def _sitting(infant: TrialInfant) -> Iterator[Attempt]:
+    forbidden = infant.parts_without(SEAT[1:]) - {infant.model.body("hip").id}
+    for knee_deg in SITTING_KNEES_DEG:
+        for lean in SITTING_LEANS:
+            yield Attempt(
+                infant,
+                seat(infant, knee_deg, lean),
+                SITTING_S,
+                lambda data: slumped(infant, data, forbidden),
+                pushes=PUSHES,
+                strategy=f"knees {knee_deg:g}°, weight {lean:g} of the way from seat to heels",
+            )
+
+
+SITTING = Trial("sit", "sits without support for 10 s", _sitting, ("left_foot", "right_foot"), "fitted")

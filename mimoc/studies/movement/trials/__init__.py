@@ -6,15 +6,12 @@ from mimoc.studies.movement.trial import MovementTrial
 from mimoc.studies.movement.trials.arm_lift import ARM_LIFT, ARM_PULL
 from mimoc.studies.movement.trials.grip import GRIP
 from mimoc.studies.movement.trials.kick import KICK
-from mimoc.studies.movement.trials.kicking import LEG_WEIGHT, POSTURE
+from mimoc.studies.movement.trials.kicking import LEG_WEIGHT, POSTURE, STEPPING
 from mimoc.studies.movement.trials.pendulum import DAMPING, PENDULUM
-from mimoc.studies.movement.trials.posture import AWAKE, FOLD, REST
+from mimoc.studies.movement.trials.posture import AWAKE, FOLD, RECOIL, REST, SPEEDS
 from mimoc.studies.movement.trials.reach import REACH
-from mimoc.studies.movement.trials.recoil import RECOIL
 from mimoc.studies.movement.trials.roll import ROLL
 from mimoc.studies.movement.trials.saccade import SACCADE
-from mimoc.studies.movement.trials.speeds import SPEEDS
-from mimoc.studies.movement.trials.stepping import STEPPING
 
 TRIALS: Mapping[str, MovementTrial] = {
     trial.name: trial
@@ -24,4 +21,3 @@ TRIALS: Mapping[str, MovementTrial] = {
     )
 }
 USUAL: tuple[str, ...] = tuple(trial.name for trial in TRIALS.values() if not trial.on_request)
-"""The names of those that are done unless others are asked for."""

@@ -16,8 +16,7 @@ from mimoc.studies.movement.drive import QUIET, Drive, again, hinges_below, sett
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 JOINTS = ("shoulder_horizontal", "shoulder_ad_ab", "shoulder_rotation", "elbow")
-SAMPLES, SEED = 3000, 0
-"""Postures of the arm among which the one is chosen that is to be held."""
+SAMPLES, SEED = 3000, 0  # Postures of the arm among which the one is chosen that is to be held.
 BENT_RAD, LEAST_BENT_RAD = np.radians(-140.0), -0.1
 """Elbow while the upper arm is lifted; an elbow that is held up is not quite straight, where its range ends."""
 SIDEWAYS, TRAVEL = 0.3, 0.002
@@ -25,26 +24,20 @@ SIDEWAYS, TRAVEL = 0.3, 0.002
 TIMES_S = (0.0, 1.0, 3.0, 4.0, 6.0)
 """When the elbow begins to bend, is bent, the upper arm is up, the elbow is straight, and the end."""
 HELD_S = 1.0
-EVERY = 10
-"""Physics steps between two beginnings of the second in which the hand is to stay up."""
+EVERY = 10  # Physics steps between two beginnings of the second in which the hand is to stay up.
 SETTLING_S = 2.0
-PULL = 0.25
-"""Pull at the hand by the weight of the arm, against which newborns keep an arm up that they see."""
+PULL = 0.25  # Pull at the hand by the weight of the arm, against which newborns keep an arm up that they see.
 
 
 def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
     """Return the height above the shoulder that a hand keeps for one second, by the length of the arm.
 
     The elbow bends, the shoulder turns the upper arm up, and the elbow straightens, by smooth targets of the controller
-    of the milestones; everything but the arm is quiet. Best second of six.
-
-    Args:
-        infant: The infant.
-        pull: Force on the hand towards the toes all the while, in weights of the arm. The controller counters it as it
-            does weight, as newborns do that see their arm.
+    of the milestones; everything but the arm is quiet. Best second of six. A *pull* at the hand towards the toes, in
+    weights of the arm, is countered as weight is, as newborns do that see their arm.
     """
     resting = settled(infant, SETTLING_S)
-    places = _addresses(infant)
+    places = [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]
     targets = _targets(infant, resting, places)
     data, step_s = again(infant, resting, moving=False), infant.model.opt.timestep
     data.act[:] = 0.0
@@ -61,7 +54,9 @@ def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
         heights.append(data.xpos[hand, 2] - data.xpos[shoulder, 2])
     second = round(HELD_S / step_s)
     held_m = max(min(heights[start : start + second]) for start in range(0, len(heights) - second, EVERY))
-    return float(held_m / _arm_m(infant, resting))
+    bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
+    points = [resting.body(name).xpos for name in bodies]
+    return float(held_m / float(sum(np.linalg.norm(end - start) for start, end in pairwise(points))))
 
 
 def _pull_n(infant: TrialInfant, resting: mujoco.MjData) -> FloatArray:
@@ -79,24 +74,12 @@ def _torques(infant: TrialInfant, data: mujoco.MjData, pull_n: FloatArray) -> Fl
     return np.asarray(pull_n @ jacobian[:, infant.dofs], np.float64)
 
 
-def _addresses(infant: TrialInfant) -> list[int]:
-    return [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]
-
-
 def _knuckles(infant: TrialInfant) -> str:
     """Return the body that begins at the knuckles, in hands of any kind."""
     return next(name for name in ("left_fingers", "left_mfknuckle", "left_hand") if infant.has(name))
 
 
-def _arm_m(infant: TrialInfant, data: mujoco.MjData) -> float:
-    """Return the length of the arm from shoulder to knuckles."""
-    bodies = ("left_upper_arm", "left_lower_arm", "left_hand", _knuckles(infant))
-    points = [data.body(name).xpos for name in bodies]
-    return float(sum(np.linalg.norm(end - start) for start, end in pairwise(points)))
-
-
 def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> FloatArray:
-    """Return the angles of the arm, shape (4,), that bring the hand highest above the shoulder."""
     low, high = np.array([infant.model.joint(f"robot:left_{name}").range for name in JOINTS]).T
     random, posture, knuckles = np.random.default_rng(SEED), mujoco.MjData(infant.model), _knuckles(infant)
     shoulder_m, rest = resting.body("left_upper_arm").xpos.copy(), resting.qpos[places]
@@ -115,7 +98,6 @@ def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> 
 
 
 def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> Callable[[float], FloatArray]:
-    """Return the function from a time in [s] to the angles of the driven hinges, shape (n,)."""
     up, rest = _highest(infant, resting, places), resting.qpos[places]
     bent, lifted = rest.copy(), up.copy()
     bent[-1] = lifted[-1] = BENT_RAD
@@ -133,10 +115,6 @@ def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> 
     return target
 
 
-def _measure(subject: Subject) -> Values:
-    return {"arm_lift": arm_lift(subject.infant)}
-
-
 def _measure_pulled(subject: Subject) -> Values:
     free, pulled = arm_lift(subject.infant), arm_lift(subject.infant, PULL)
     return {"arm_pulled": pulled, "arm_pull_change": pulled / free - 1.0 if free > 0 else None}
@@ -145,7 +123,7 @@ def _measure_pulled(subject: Subject) -> Values:
 ARM_LIFT = MovementTrial(
     "arm_lift",
     "on its back, brings a hand above the shoulder and keeps it there for 1 s: height in arm lengths",
-    _measure,
+    lambda subject: {"arm_lift": arm_lift(subject.infant)},
     (0.0, 1.0, 2.0, 3.0, 4.0),
     (Quantity("arm_lift", "Hand above shoulder, in arm lengths"),),
     ("left_upper_arm", "left_lower_arm", "left_hand"),

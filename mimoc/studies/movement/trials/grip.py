@@ -14,17 +14,10 @@ from mimoc.studies.movement.rod import HAND, ROD, Hand, gripping, hand_of, with_
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 PULLS_N = (0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0)
-"""Forces on the rod, one after the other."""
 SQUEEZED_S, PULLED_S = 1.5, 0.8
 SQUEEZED_OUT_M, SLIPPED_M = 0.02, 0.012
 """Way of the rod that means that closing has squeezed it out, and that a pull has moved it out."""
-DIRECTIONS = {
-    "along": "along the fingers",
-    "slant": "slantwise",
-    "out": "out of the palm",
-    "gap": "into the gap",
-}
-"""Directions of the pull, across the rod, by the end of the name of their measure."""
+DIRECTIONS = {"along": "along the fingers", "slant": "slantwise", "out": "out of the palm", "gap": "into the gap"}
 
 
 def grip(infant: TrialInfant, hand: Hand) -> dict[str, float]:
@@ -38,36 +31,26 @@ def grip(infant: TrialInfant, hand: Hand) -> dict[str, float]:
     start = gripping(held, hand)
     along, out = -hand.to_wrist, hand.out_of_palm
     ways = (along, (along + out) / np.sqrt(2.0), out, hand.into_gap)
-    if start is None or not _squeeze(held, hand, start):
+    if start is None:
+        return dict.fromkeys(DIRECTIONS, 0.0)
+    before = start.qpos[-3:].copy()
+    _close(held, hand, start, SQUEEZED_S)
+    if np.linalg.norm(start.qpos[-3:] - before) >= SQUEEZED_OUT_M:
         return dict.fromkeys(DIRECTIONS, 0.0)
     return {name: _withstands(held, hand, start, way) for name, way in zip(DIRECTIONS, ways, strict=True)}
 
 
 def _held(infant: TrialInfant) -> TrialInfant:
-    """Return the infant without gravity, all but its fingers and the rod held."""
     model = copy.copy(infant.model)
     model.opt.gravity[:] = 0.0
     loose = replace(infant, model=model)
-    fingers = set(loose.dofs_of(*_below_hand(loose)))
-    return loose.fixed([dof for dof in range(model.nv - 3) if dof not in fingers])
-
-
-def _below_hand(infant: TrialInfant) -> list[str]:
-    """Return the bodies of the fingers."""
-    model, hand = infant.model, infant.model.body(HAND).id
-    names, above = [], {hand}
-    for body in range(hand + 1, model.nbody):
+    names, above = list[str](), {model.body(HAND).id}
+    for body in range(model.body(HAND).id + 1, model.nbody):
         if int(model.body_parentid[body]) in above:
             above.add(body)
             names.append(model.body(body).name)
-    return names
-
-
-def _squeeze(infant: TrialInfant, hand: Hand, data: mujoco.MjData) -> bool:
-    """Close a hand around the rod, and return whether it stays there."""
-    before = data.qpos[-3:].copy()
-    _close(infant, hand, data, SQUEEZED_S)
-    return float(np.linalg.norm(data.qpos[-3:] - before)) < SQUEEZED_OUT_M
+    fingers = set(loose.dofs_of(*names))
+    return loose.fixed([dof for dof in range(model.nv - 3) if dof not in fingers])
 
 
 def _withstands(infant: TrialInfant, hand: Hand, start: mujoco.MjData, way: FloatArray) -> float:

@@ -11,17 +11,13 @@ from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, angle_deg, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
-KICK_S = 0.35
-"""How long the hip is driven: kicks of real infants last .23 to .33 s."""
-ENOUGH_DEG = 50.0
-"""Excursion of the hip that counts as a kick."""
-SHARE = 0.8
-"""Most of its strength that an infant may need."""
+KICK_S = 0.35  # How long the hip is driven: kicks of real infants last .23 to .33 s.
+ENOUGH_DEG = 50.0  # Excursion of the hip that counts as a kick.
+SHARE = 0.8  # Most of its strength that an infant may need.
 SHARES = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.8, 0.9, 1.0)
 """Shares of the hip's strength among which the least that suffices is looked for."""
 GENTLE_SHARES = (0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)
-KNEES = (-1.0, 0.0, 1.0)
-"""What the knee does, by the share of the hip: it bends as much, does nothing, or stretches."""
+KNEES = (-1.0, 0.0, 1.0)  # What the knee does, by the share of the hip: it bends as much, does nothing, or stretches.
 GENTLE_KNEES = (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5)
 MEAN_S = 0.05
 """Time over which accelerations are taken, as the speed changes: that of the filters of body-worn sensors, a guess."""
@@ -31,22 +27,15 @@ MEAN_S = 0.05
 class Kick:
     """What a burst at the hip does."""
 
-    excursion_deg: float
-    """How far the hip has bent at most."""
-    seconds: float | None
-    """Time to `ENOUGH_DEG`; None if it does not bend so far."""
-    acceleration_m_s2: float
-    """Peak acceleration of the foot until then."""
+    excursion_deg: float  # How far the hip has bent at most.
+    seconds: float | None  # Time to `ENOUGH_DEG`; None if it does not bend so far.
+    acceleration_m_s2: float  # Peak acceleration of the foot until then.
 
 
 def kick(infant: TrialInfant, start: mujoco.MjData, hip: float, knee: float) -> Kick:
-    """Return what comes of bending the left hip.
+    """Return what comes of bending the left hip from rest, with shares of the strength of hip and knee.
 
-    Args:
-        infant: The infant.
-        start: Lying on its back; it is taken to be at rest.
-        hip: Share of the strength of the hip's flexors.
-        knee: Share of the strength of the knee, above 0 stretching it.
+    The hip's is that of its flexors; above 0, the knee is stretched.
     """
     data, drive, step_s = again(infant, start, moving=False), Drive(infant), infant.model.opt.timestep
     before_deg, foot = angle_deg(infant, data, "left_hip1"), infant.model.body("left_foot").id

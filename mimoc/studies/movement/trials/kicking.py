@@ -1,6 +1,7 @@
-"""Kicks of both legs in turn, which a weight on one leg or another posture changes."""
+"""Kicks of both legs in turn, and lifts of legs held upright, which weights, another posture or water change."""
 
 import copy
+from collections.abc import Sequence
 from dataclasses import replace
 
 import mujoco
@@ -13,7 +14,80 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import Drive, again, all_but, angle_deg, has_joint, settled
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
-from mimoc.studies.movement.trials.stepping import with_weights
+
+SIDES = ("left", "right")
+STEP_SHARE = 0.6  # Share of the strength of the hips' flexors.
+STEP_BURST_S, STEP_CYCLE_S, STEP_BETWEEN_S = 0.5, 1.4, 0.7
+"""How long a hip is driven, how often, and by how much the right one is later."""
+STEPPING_S, STEPS_FROM_S = 6.0, 2.8
+SHANKS_KG = 0.15  # Weight on each shank; about what a leg gains in the second month, derived from WHO's weights.
+FLOATING = 0.95  # Share of the weight of the legs that water carries.
+ABOVE_M = 0.4
+PARTS = ("upper_leg", "lower_leg", "foot", "toes")
+
+
+def lifts(infant: TrialInfant, weight_kg: float = 0.0, *, water: bool = False) -> tuple[float, float]:
+    """Return range and height of the left hip's lifts, in [deg]; the height is the most bent angle.
+
+    The trunk is held upright, so that legs hang free, with weights on the shanks, or in water up to the hips.
+    """
+    joints = [f"{side}_{name}" for side in SIDES for name in ("hip1", "knee", "foot1")]
+    held = all_but(with_weights(infant, weight_kg), *(joint for joint in joints if has_joint(infant, joint)))
+    model, data, drive = held.model, held.placed(0.0, {}, ABOVE_M), Drive(held)
+    legs = [model.body(f"{side}_{part}").id for side in SIDES for part in PARTS if held.has(f"{side}_{part}")]
+    lift_n = FLOATING * GRAVITY_M_S2 * model.body_mass[legs] if water else np.zeros(len(legs))
+    trace = []
+    for step in range(round(STEPPING_S / model.opt.timestep)):
+        data.ctrl[:] = drive(data, _step_shares(step * model.opt.timestep))
+        data.xfrc_applied[legs, 2] = lift_n
+        mujoco.mj_step(model, data)
+        trace.append(angle_deg(held, data, "left_hip1"))
+    read = np.array(trace)[int(STEPS_FROM_S / model.opt.timestep) :]
+    return float(np.ptp(read)), float(-read.min())
+
+
+def with_weights(infant: TrialInfant, weight_kg: float, sides: Sequence[str] = SIDES) -> TrialInfant:
+    """Return an infant with a weight on some of its shanks."""
+    model = copy.copy(infant.model)
+    for side in sides:
+        model.body_mass[model.body(f"{side}_lower_leg").id] += weight_kg
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return replace(infant, model=model)
+
+
+def _step_shares(time_s: float) -> dict[str, float]:
+    later = {side: STEP_BETWEEN_S * place for place, side in enumerate(SIDES)}
+    return {f"{side}_hip1": -STEP_SHARE for side in SIDES if (time_s + later[side]) % STEP_CYCLE_S < STEP_BURST_S}
+
+
+def _stepping(subject: Subject) -> Values:
+    plain_deg, high_deg = lifts(subject.infant)
+    heavy_deg, _ = lifts(subject.infant, SHANKS_KG)
+    _, afloat_deg = lifts(subject.infant, water=True)
+    return {
+        "step_range_deg": plain_deg,
+        "step_lift_deg": high_deg,
+        "step_weights_change": heavy_deg / plain_deg - 1.0 if plain_deg else None,
+        "step_water_change": afloat_deg / high_deg - 1.0 if high_deg else None,
+    }
+
+
+STEPPING = MovementTrial(
+    "stepping",
+    "held upright, lifts its legs in turn with .6 of its strength: plain, with 150 g on each shank, in water",
+    _stepping,
+    (0.0, 1.0, 2.0, 3.0),
+    (
+        Quantity("step_range_deg", "Steps: range of the hip", "deg"),
+        Quantity("step_lift_deg", "Steps: height of the lift", "deg"),
+        Quantity("step_weights_change", "Steps: change of range by weights"),
+        Quantity("step_water_change", "Steps: change of height in water"),
+    ),
+    ("left_lower_leg", "right_lower_leg"),
+    held_out=True,
+    side="left",
+)
+
 
 BURST_S, CYCLE_S, BETWEEN_S = 0.35, 2.0, 1.0
 """How long a hip is driven (flexion lasts .3 to .4 s), how often (active infants kick 20 to 40 times a minute), and by
@@ -21,28 +95,21 @@ how much the right one is later."""
 KICKING_S, READ_FROM_S = 8.0, 2.0
 KNEE = 0.5
 """Share of the strength of the knee, by that of the hip: in young infants both bend together; the size is a guess."""
-USUAL_DEG = 40.0
-"""Excursion of the hip in an everyday kick."""
+USUAL_DEG = 40.0  # Excursion of the hip in an everyday kick.
 SHARES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Shares of the strength of the hip's flexors, the least of which is taken that bends it by `USUAL_DEG`."""
 WEIGHT_KG = 0.1
 SEEDS, UNEVEN = 12, 0.2
 """Seeds with which a weighted leg kicks, as a single one would show chance; how uneven kicks are is a guess."""
-TILTS_DEG = {"45": 45.0, "upright": 90.0}
-"""How far the infant and the board on which it lies are tilted."""
+TILTS_DEG = {"45": 45.0, "upright": 90.0}  # How far the infant and the board on which it lies are tilted.
 SETTLING_S = 2.0
-SIDES = ("left", "right")
 LEGS = tuple(f"{side}_{name}" for side in SIDES for name in ("hip1", "hip2", "hip3", "knee", "foot1"))
 
 
 def excursions(infant: TrialInfant, start: mujoco.MjData, share: float, seed: int | None = None) -> FloatArray:
     """Return the ranges of left and right hip, in [deg], in kicks with some share of their strength, shape (2,).
 
-    Args:
-        infant: The infant.
-        start: Where it begins; it is taken to be at rest.
-        share: Share of the strength of the hips' flexors; knees bend with half as much.
-        seed: Makes each kick stronger or weaker by up to `UNEVEN`; None makes all the same.
+    Knees bend with half of the share of the hips' flexors. A seed makes each kick stronger or weaker by up to `UNEVEN`.
     """
     data, drive, step_s = again(infant, start, moving=False), Drive(infant), infant.model.opt.timestep
     cycles = int(KICKING_S / CYCLE_S) + 1
@@ -57,10 +124,7 @@ def excursions(infant: TrialInfant, start: mujoco.MjData, share: float, seed: in
 
 
 def tilted(infant: TrialInfant, tilt_deg: float) -> TrialInfant:
-    """Return an infant that lies on a board, trunk, head and arms held, and is tilted with it: 90 degrees is upright.
-
-    Gravity is turned instead.
-    """
+    """Return an infant tilted with the board that it lies on, trunk, head and arms held; 90 degrees is upright."""
     model, supine = copy.copy(infant.model), infant.placed(-90.0, {})
     to_feet = np.sign(supine.body(ROOT).xpos[0] - supine.body("head").xpos[0])
     tilt_rad = deg_to_rad(tilt_deg)

@@ -12,16 +12,13 @@ import numpy as np
 
 from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.runtime.sense import FloatArray
 from mimoc.studies.milestones.infant import TrialInfant
 from mimoc.studies.movement.drive import all_but, angle_deg, floating
 from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 SWINGING_S = 8.0
-LEAST_DEG = 1.0
-"""Half swings below this are not counted."""
-ABOVE_M = 3.0
-"""Height of the hip, clear of the floor."""
+LEAST_DEG = 1.0  # Half swings below this are not counted.
+ABOVE_M = 3.0  # Height of the hip, clear of the floor.
 JOINTS = {"hip": "left_hip1", "knee": "left_knee", "shoulder": "left_shoulder_ad_ab", "elbow": "left_elbow"}
 
 
@@ -29,25 +26,14 @@ JOINTS = {"hip": "left_hip1", "knee": "left_knee", "shoulder": "left_shoulder_ad
 class Swing:
     """What a limb does that is let go."""
 
-    swings: float
-    """Number of whole swings; a half swing ends where the limb turns, and counts half."""
-    rest_deg: float
-    """Angle of the limb to the vertical where it comes to rest, between hinge and centre of mass."""
-    index: float
-    """The first half swing by the angle from start to rest: 1 does not swing, 2 is not damped."""
-    period_s: float | None
-    """Time of the first whole swing; None if there is none."""
+    swings: float  # Number of whole swings; a half swing ends where the limb turns, and counts half.
+    rest_deg: float  # Angle of the limb to the vertical where it comes to rest, between hinge and centre of mass.
+    index: float  # The first half swing by the angle from start to rest: 1 does not swing, 2 is not damped.
+    period_s: float | None  # Time of the first whole swing; None if there is none.
 
 
 def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[str, float]) -> Swing:
-    """Return how a limb swings that is let go, all other joints held and nothing touched.
-
-    Args:
-        infant: A slack infant.
-        joint: The hinge that swings, without `robot:`.
-        start_deg: Its angle before it is let go.
-        posture_deg: Angles of the others, by hinge; the trunk is upright.
-    """
+    """Return how a limb of an upright slack infant swings that is let go, nothing touched and other joints held."""
     held = all_but(floating(infant), joint)
     data = held.placed(0.0, {**posture_deg, joint: start_deg}, ABOVE_M)
     trace = [angle_deg(held, data, joint)]
@@ -57,18 +43,14 @@ def swing(infant: TrialInfant, joint: str, start_deg: float, posture_deg: dict[s
     hinge = held.model.joint(f"robot:{joint}").id
     arm_m = data.subtree_com[held.model.jnt_bodyid[hinge]] - data.xanchor[hinge]
     rest_deg = float(np.degrees(np.arctan2(np.hypot(arm_m[0], arm_m[1]), -arm_m[2])))
-    return _read(np.array(trace), rest_deg, held.model.opt.timestep)
-
-
-def _read(trace_deg: FloatArray, rest_deg: float, step_s: float) -> Swing:
-    """Return what the angles of a hinge over time, shape (n,), say."""
+    trace_deg = np.array(trace)
     offsets = trace_deg - trace_deg[-1]
     change = np.diff(offsets)
     turns = np.flatnonzero((change[:-1] * change[1:] <= 0) & (change[:-1] != 0)) + 1
     turns = turns[np.abs(offsets[turns]) > LEAST_DEG]
     way_deg = abs(float(offsets[0]))
     first_deg = abs(float(offsets[turns[0]] - offsets[0])) if len(turns) else way_deg
-    period_s = float(turns[1] * step_s) if len(turns) > 1 else None
+    period_s = float(turns[1] * held.model.opt.timestep) if len(turns) > 1 else None
     return Swing(len(turns) / 2, rest_deg, first_deg / way_deg if way_deg else 1.0, period_s)
 
 

@@ -19,10 +19,8 @@ SITTING_DEG = {
 }
 AHEAD_DEG = {"right_shoulder_horizontal": 85.0, "right_shoulder_ad_ab": 85.0, "right_elbow": -20.0}
 """The arm nearly straight, straight ahead: 12 to 15 cm from the lap at 4 to 12 months."""
-PLANNED_S = tuple(round(0.1 * tenths, 1) for tenths in range(2, 26))
-"""Durations that are tried, the shortest first."""
-REACHED_M, SETTLING_S = 0.01, 0.15
-"""How far from its goal the hand may be, and how long after the planned end."""
+PLANNED_S = tuple(round(0.1 * tenths, 1) for tenths in range(2, 26))  # Durations that are tried, the shortest first.
+REACHED_M, SETTLING_S = 0.01, 0.15  # How far from its goal the hand may be, and how long after the planned end.
 ABOVE_M = 0.2
 
 
@@ -30,12 +28,9 @@ ABOVE_M = 0.2
 class Reach:
     """What came of a reach."""
 
-    miss_m: float
-    """Distance of the hand from its goal at the end."""
-    peak_m_s: float
-    """Greatest speed of the hand."""
-    way_m: float
-    """Distance of the goal from where the hand began."""
+    miss_m: float  # Distance of the hand from its goal at the end.
+    peak_m_s: float  # Greatest speed of the hand.
+    way_m: float  # Distance of the goal from where the hand began.
 
 
 def reach(infant: TrialInfant, planned_s: float) -> Reach:

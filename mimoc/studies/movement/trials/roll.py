@@ -18,21 +18,17 @@ from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 POSTURES, POSTURE_S, MOVING_S = 3, 1.0, 0.4
 """How many postures follow one another, how long each is asked for, and how long the target takes to get to it."""
-ROLLING_S = 4.0
-"""The last posture is kept for one second more."""
-EVERY_S = 0.02
-"""How often a command is sent."""
+ROLLING_S = 4.0  # The last posture is kept for one second more.
+EVERY_S = 0.02  # How often a command is sent.
 STIFFNESS, DAMPING_S = 4.0, 0.06
 """Shares of strength asked for each radian that a joint is off its target, and for each rad/s less by this time."""
 EXCEPT = ("_eye_", "_hand", "_finger", "_foot", "_toes", "_th", "_ff", "_mf", "_rf", "_lf")
 """Joints with these in their names, of eyes, hands and feet, are left quiet."""
-ROLLED_DEG = 60.0
-"""How far chest and hips face down at the end on the belly; 0 is on the side."""
+ROLLED_DEG = 60.0  # How far chest and hips face down at the end on the belly; 0 is on the side.
 DRAWS, KEPT, ROUNDS = 40, 8, 60
 SPREAD, LEAST_SPREAD, SMOOTHING = 0.6, 0.1, 0.7
 """Of draws, by half the range of a joint: at first, and at least; and how far the kept ones move mean and spread."""
-SEEDS = 3
-"""Searches, one after the other, until one rolls the infant: what one misses, another may hit on."""
+SEEDS = 3  # Searches, one after the other, until one rolls the infant: what one misses, another may hit on.
 
 
 @dataclass
@@ -41,11 +37,9 @@ class Roller:
 
     infant: TrialInfant
     start: mujoco.MjData = field(init=False)
-    moved: IntArray = field(init=False)
-    """Indices of the driven hinges that move, shape (m,)."""
+    moved: IntArray = field(init=False)  # Indices of the driven hinges that move, shape (m,).
 
     def __post_init__(self) -> None:
-        """Lay the infant down."""
         self.start = settled(self.infant)
         names = self.infant.joint_names
         moved = [slot for slot, name in enumerate(names) if not any(part in f"_{name}" for part in EXCEPT)]
@@ -55,9 +49,7 @@ class Roller:
     def play(self, sequence: FloatArray) -> float:
         """Return how far chest and hips face down at the end, in [deg], the lesser: -90 on the back, 90 on the belly.
 
-        Args:
-            sequence: Angles of the joints that move in each posture, shape (postures * joints,), from -1 to 1 for the
-                ends of their ranges.
+        Angles are from -1 to 1 for the ends of their ranges, shape (postures * joints,).
         """
         infant, model = self.infant, self.infant.model
         data, drive = again(infant, self.start, moving=False), Drive(infant)
@@ -66,28 +58,18 @@ class Roller:
         postures = [data.qpos[angles].copy(), *(middle + half * sequence.reshape(POSTURES, -1))]
         shares, every = np.zeros(len(infant.joints)), round(EVERY_S / model.opt.timestep)
         for command in range(round(ROLLING_S / EVERY_S)):
-            target = _between(postures, command * EVERY_S)
+            time_s = command * EVERY_S
+            number = min(int(time_s / POSTURE_S), POSTURES - 1)
+            share = min((time_s - number * POSTURE_S) / MOVING_S, 1.0)
+            target = postures[number] + share * (postures[number + 1] - postures[number])
             shares[self.moved] = STIFFNESS * (target - data.qpos[angles] - DAMPING_S * data.qvel[dofs])
             data.ctrl[:] = drive.controls(data, np.clip(shares, -1.0, 1.0))
             mujoco.mj_step(model, data, every)
         return min(-elevation_deg(data, body) for body in (infant.pushed, model.body("hip").id))
 
 
-def _between(postures: list[FloatArray], time_s: float) -> FloatArray:
-    """Return the target at a time: the posture of the moment, or on the way to it from the one before."""
-    number = min(int(time_s / POSTURE_S), POSTURES - 1)
-    share = min((time_s - number * POSTURE_S) / MOVING_S, 1.0)
-    return postures[number] + share * (postures[number + 1] - postures[number])
-
-
 def search_roll(infant: TrialInfant, rounds: int = ROUNDS, seed: int = 0) -> tuple[float, int]:
-    """Return how far the best sequence turns an infant down, in [deg], and how many were tried.
-
-    Args:
-        infant: The infant.
-        rounds: How often sequences are drawn at most; the usual number takes two minutes of one core.
-        seed: Seed of the draws.
-    """
+    """Return how far the best sequence turns an infant down, in [deg], and how many were tried."""
     roller, random = Roller(infant), np.random.default_rng(seed)
     mean, best_deg = np.zeros(POSTURES * len(roller.moved)), -90.0
     spread = np.full(len(mean), SPREAD)

@@ -13,8 +13,7 @@ from mimoc.studies.movement.trial import MovementTrial, Subject, Values
 
 EYE = "left_eye_horizontal"
 TURN_DEG = 20.0
-STEP_S, LONGEST_S = 0.005, 0.5
-"""Times at which the torque turns around are tried in these steps, up to the longest."""
+STEP_S, LONGEST_S = 0.005, 0.5  # Times at which the torque turns around are tried in these steps, up to the longest.
 AFTER_S = 1.0
 ABOVE_M = 2.0
 

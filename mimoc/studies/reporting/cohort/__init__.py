@@ -15,11 +15,9 @@ from mimoc.studies.reporting.cohort.measures import OF_CHILDREN, measures_of
 from mimoc.studies.reporting.page import Block, Cell, Drawings, Page, Section, TextBlock, number, table
 from mimoc.version import __version__
 
-MOST_FACTORS = 6
-"""Factors that each measure is drawn by."""
+MOST_FACTORS = 6  # Factors that each measure is drawn by.
 MOST_PLOTS = 80
-MOST_ERRORS = 20
-"""Different errors that are listed."""
+MOST_ERRORS = 20  # Different errors that are listed.
 VERSION = "version."
 UNKNOWN = (
     "Jobs that have not been done cannot be told from the folder alone. Name the cohort's file as well, with --cohort, "
@@ -32,11 +30,7 @@ CAPTION = (
 
 
 def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page:
-    """Return the page of a cohort; without the *cohort* itself, jobs that are not done yet are not known.
-
-    Raises:
-        MimocError: If the folder is not that of a cohort.
-    """
+    """Return the page of a cohort; without the *cohort* itself, jobs that are not done yet are not known."""
     store = Store(folder)
     if cohort:
         store.check()
@@ -97,7 +91,6 @@ def _failures(status: Status) -> Iterator[Block]:
 
 
 def _results(rows: Rows) -> Section:
-    """Return the section with the plots of each measure by each factor."""
     names = [*rows[0]] if rows else ["seed", "status"]
     factors = [name for name in names[1 : names.index("seed")] if name != "step"]
     factors.sort(key=lambda name: (name == "sex" or name.endswith(OF_CHILDREN), name != "sex"))  # What is varied first.

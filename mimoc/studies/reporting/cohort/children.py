@@ -17,16 +17,13 @@ from mimoc.studies.reporting import words
 from mimoc.studies.reporting.page import Block, Cell, Details, Drawings, Section, TextBlock, number, table
 from mimoc.studies.reporting.silhouette import Silhouette, silhouette
 
-MOST_DRAWN = 12
-"""Infants that are drawn, evenly chosen from all."""
+MOST_DRAWN = 12  # Infants that are drawn, evenly chosen from all.
 MOST_LISTED = 200
 NOT_OF_BODIES = ("actuation.", "delays.", "noise.", "senses.", "scene.", "control.", "task.")
 """How keys of the spec begin that leave the body as it is."""
 UNITS_PER_M = 240.0
-BELOW, ABOVE = 36.0, 12.0
-"""Room below the drawn infants and above."""
-LEAST_HALF = 34.0
-"""Half of the least width, so that there is room for the words below."""
+BELOW, ABOVE = 36.0, 12.0  # Room below the drawn infants and above.
+LEAST_HALF = 34.0  # Half of the least width, so that there is room for the words below.
 SEXES = {"female": "girl", "male": "boy"}
 LENGTH_RANK, WEIGHT_RANK, HEAD_RANK = (
     Quantity(f"{label.lower()}_percentile", label, "percentile", limits=(0.0, 100.0))
@@ -45,7 +42,6 @@ def children(jobs: Sequence[Job], store: Store) -> Section | None:
 
 
 def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
-    """Return what is known of each child, by its number; what differs between its ages is left out."""
     known: dict[int, dict[str, Any]] = {}
     for job in jobs:
         child = job.factors.get("child")
@@ -57,7 +53,6 @@ def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
 
 
 def _scatters(known: Mapping[int, Mapping[str, Any]]) -> Iterator[Block]:
-    """Yield plots of measures against each other, where the children that have both differ."""
     plots = []
     for x, y in product(LENGTHS, AGAINST_LENGTH):
         both = [child for child in known.values() if {x, y} <= child.keys()]
@@ -95,7 +90,6 @@ def _cell(value: Any) -> Cell:
 
 
 def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
-    """Yield a drawing of the infants that were built, to scale."""
     built = [job for job in jobs if job.step == "build" and (result := store.read(job)) and result.ok]
     if not built:
         yield TextBlock("No infants are drawn, because the cohort has no step that builds them (do: [build]).", "note")
@@ -129,7 +123,6 @@ def _body(job: Job) -> str:
 
 
 def _bundle(job: Job, store: Store) -> Iterator[Bundle]:
-    """Yield the bundle of a job, unless it is gone or damaged."""
     try:
         yield store.read_bundle(job)
     except MimocError:

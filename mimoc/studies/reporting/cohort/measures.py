@@ -15,15 +15,12 @@ from mimoc.studies.reporting import words
 
 OF_CHILDREN = ("_percentile", "_percent", "_cm", "_kg", "maturation_rate")
 """How the names of factors end that children are given by."""
-LEAST = 2
-"""Different values that a factor must have to be one."""
+LEAST = 2  # Different values that a factor must have to be one.
 MOST_LEVELS = 12
 """Values of a factor up to which each has a summary; of more, those of numbers are put together in bins."""
-MOST_DOTS = 300
-"""Jobs up to which each is a dot if its factor has too many values."""
+MOST_DOTS = 300  # Jobs up to which each is a dot if its factor has too many values.
 MOST_LETTERS = 14
-BETWEEN = 0.5
-"""Room at either end of an axis of names, in distances of two."""
+BETWEEN = 0.5  # Room at either end of an axis of names, in distances of two.
 LEVELS = {True: "true", False: "false", None: "none"}
 
 
@@ -32,12 +29,9 @@ class Measure:
     """A measure of the jobs of a step."""
 
     quantity: Quantity
-    step: str
-    """Empty for a measure of the body, which all steps share."""
-    rows: Rows
-    """The rows that have it."""
-    values: tuple[float, ...]
-    """Of each of these rows."""
+    step: str  # Empty for a measure of the body, which all steps share.
+    rows: Rows  # The rows that have it.
+    values: tuple[float, ...]  # Of each of these rows.
 
     @property
     def title(self) -> str:
@@ -122,7 +116,6 @@ class Measure:
         return self._summaries(groups, None, factor)
 
     def _by(self, factor: str) -> Plot:
-        """Return its empty plot by a factor."""
         x = quantity_of(factor)
         about = f"{self.title} by {x.heading}, {words.count(len(self.values), 'job')}"
         return Plot(x, self.quantity, title=self.title, about=about)

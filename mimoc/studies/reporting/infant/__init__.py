@@ -7,15 +7,12 @@ import mujoco
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.studies.reporting import words
-from mimoc.studies.reporting.infant.beside import beside
 from mimoc.studies.reporting.infant.senses import senses
 from mimoc.studies.reporting.infant.sources import Sources, origin
-from mimoc.studies.reporting.infant.strength import UNCHECKED, stability, strength
+from mimoc.studies.reporting.infant.strength import UNCHECKED, beside, stability, strength
 from mimoc.studies.reporting.infant.who import growth, introduce, proportions
 from mimoc.studies.reporting.page import Page, Section
 from mimoc.version import __version__
-
-__all__ = ["infant_page", "infant_sections"]
 
 
 def infant_page(
@@ -25,17 +22,7 @@ def infant_page(
     check: bool,
     counterparts: Mapping[str, Bundle] | None = None,
 ) -> Page:
-    """Return the page of an infant, with a *check* that its simulation is stable or without.
-
-    Args:
-        bundle: The infant.
-        progress: Called with the number of steps done and their total.
-        check: Whether to check it.
-        counterparts: Infants to stand beside it, by what they are, such as `healthy`.
-
-    Raises:
-        ModelError: If MuJoCo rejects its model.
-    """
+    """Return the page of an infant, with a *check* that its simulation is stable or without, and its counterparts."""
     steps = (len(bundle.manifest.poses) if check else 0) + 2  # Poses to check, the other sections, and the portrait.
     progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)

@@ -15,8 +15,7 @@ from mimoc.studies.reporting import words
 from mimoc.studies.reporting.infant.sources import Sources
 from mimoc.studies.reporting.page import Block, Cell, Section, TextBlock, table
 
-SNELLEN_CPD = 600.0
-"""20/20 is 30 cycles per degree, so 20/x is 600/x of them."""
+SNELLEN_CPD = 600.0  # 20/20 is 30 cycles per degree, so 20/x is 600/x of them.
 FELT = {
     "velocity": "how fast each turns",
     "torque": "the torques in its joints",
@@ -97,7 +96,6 @@ def _about_vision(entry: Any, model: mujoco.MjModel) -> str:
 
 
 def _immaturities(entry: Any) -> Iterator[str]:
-    """Yield what else limits sight, a sentence each."""
     if entry.sensitivity:
         yield (
             f"Sees contrasts from {100 / entry.sensitivity:.2g} % on, at {entry.sensitivity_peak_cpd:.2g} stripes in a "
@@ -124,7 +122,6 @@ ABOUT_SENSES: Mapping[str, Callable[[Any, mujoco.MjModel], str]] = {
 
 
 def _observation(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
-    """Return name and shape of the observations of a sense."""
     times = f" {words.TIMES} "
     if name == "vision":  # To be known without OpenGL as well.
         shape = f"{entry.height_px}{times}{entry.width_px}{times}3"

@@ -13,7 +13,7 @@ from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.studies.reporting import words
 from mimoc.studies.reporting.page import Block, Cell, Code, Details, Link, Section, TextBlock, number, table
 
-GROUPS = {
+GROUPS = {  # Heading of each kind of numbers; those of others follow, by their names.
     "who": "Percentiles",
     "child": "Size",
     "measurements": "Measurements",
@@ -25,7 +25,6 @@ GROUPS = {
     "noise": "Noise",
     "spec": "The spec",
 }
-"""Heading of each kind of numbers; those of others follow, by their names."""
 SIDE = re.compile(r"(left|right)_")
 TITLE = "Where the numbers come from"
 ABOUT = (
@@ -71,7 +70,6 @@ class Sources:
         return Section("sources", TITLE, tuple(blocks))
 
     def _followed(self) -> set[str]:
-        """Return the numbers that were referred to, and all that they depend on."""
         reached, waiting = set[str](), list(self._named)
         while waiting:
             key = waiting.pop()
@@ -100,7 +98,6 @@ class Sources:
         return Cell(name, "code", anchors=anchors), number(value_text(entry)), Cell(rule, links=links)
 
     def _fragment(self, key: str) -> str:
-        """Return the fragment of a number on the page."""
         return f"{self._prefix}n-" + re.sub(r"\s+", "-", key)
 
 

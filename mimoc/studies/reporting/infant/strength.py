@@ -1,4 +1,4 @@
-"""What the parts of an infant weigh, how strong its joints are, and whether its simulation stays stable."""
+"""What an infant's parts weigh, how strong its joints are, also beside another one, and whether it stays stable."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
@@ -11,7 +11,7 @@ from mimoc.base.quantities.child import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK
 from mimoc.base.quantities.motion import BEYOND_LIMITS, ENERGY
 from mimoc.base.units import rad_to_deg
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.model import in_subtrees
+from mimoc.bundle.model import in_subtrees, load_model
 from mimoc.render.plots.drawing import Drawing, Point, Shape, dot, label, line
 from mimoc.runtime.check import CHECKED_S, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
 from mimoc.runtime.limits import torque_limits
@@ -42,21 +42,16 @@ JOINTS: Mapping[str, str] = {
     "knee": "{side}_knee",
     "ankle": "{side}_foot1",
 }
-"""Joints that are told in the picture."""
 WIDTH, HEIGHT = 540.0, 500.0
 TOP, FEET = 40.0, 470.0
-LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0
-"""Where the texts at either side end and begin."""
-APART = 34.0
-"""Least distance of two texts."""
+LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0  # Where the texts at either side end and begin.
+APART = 34.0  # Least distance of two texts.
 CAPTION = (
     "Left, the peak torque of a joint in either direction; right, the mass of a part and its share of the body. "
     "The outline is drawn from the solids that the simulation uses, seen from the front."
 )
 
-
-Place = Callable[[Points], Point]
-"""From a point of the model to where it is drawn."""
+Place = Callable[[Points], Point]  # From a point of the model to where it is drawn.
 
 
 class Note(NamedTuple):
@@ -95,10 +90,7 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
 
 
 def _joint_notes(bundle: Bundle, outline: Silhouette, place: Place) -> Iterator[Note]:
-    """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other.
-
-    Where the sides differ, the text has both.
-    """
+    """Yield what is said of joints of the right side, which is on the left, or of both if they differ."""
     limits = torque_limits(bundle)
     for name, pattern in JOINTS.items():
         sides = [side for side in ("right", "left") if f"robot:{pattern.format(side=side)}" in limits]
@@ -214,3 +206,33 @@ def _row(check: PoseCheck) -> tuple[Cell, ...]:
         number(f"{check.beyond_deg:.0f}"),
         Cell(words.name(check.joint.removeprefix("robot:"))),
     )
+
+
+def beside(bundle: Bundle, other: Bundle, name: str) -> Section:
+    """Return the section on an infant beside its counterpart, such as the `healthy` one, a row for each joint."""
+    headings = ("joint", PEAK_TORQUE.heading, name, JOINT_RANGE.heading, name)
+    rows = list(_rows(_joints(bundle), _joints(other)))
+    if not rows:
+        text = "Strength and range of all joints are the same; what differs is sensed, or is said by 'mimoc explain'."
+        return Section("beside", f"Beside the {name} child", (TextBlock(text),))
+    said = "Joints that differ; of all others, either side is as strong and moves as far."
+    return Section("beside", f"Beside the {name} child", (TextBlock(said), table(headings, rows)))
+
+
+def _joints(bundle: Bundle) -> dict[str, tuple[str, str]]:
+    model: mujoco.MjModel = load_model(bundle)
+    joints = {}
+    for joint, limits_nm in torque_limits(bundle).items():
+        low, high = (rad_to_deg(float(limit)) for limit in model.joint(joint).range)
+        reach = f"{words.signed(low, 0)} to {words.signed(high, 0)}"
+        joints[joint] = (words.torques(limits_nm), reach)
+    return joints
+
+
+def _rows(one: Mapping[str, tuple[str, str]], other: Mapping[str, tuple[str, str]]) -> Iterator[tuple[Cell, ...]]:
+    """Yield a row for each joint that differs, in the order of the joints, left and right below each other."""
+    for joint in other:
+        before, now = other[joint], one.get(joint, ("not there", ""))
+        if before != now:
+            name = Cell(words.sentence(words.name(joint.removeprefix("robot:"))))
+            yield name, number(now[0]), number(before[0]), number(now[1]), number(before[1])

@@ -28,10 +28,8 @@ from mimoc.studies.reporting import words
 from mimoc.studies.reporting.infant.sources import Sources
 from mimoc.studies.reporting.page import Cell, Drawings, Picture, Section, TextBlock, Tile, Tiles, number, table
 
-WIDTH_PX, HEIGHT_PX = 800, 600
-"""Of the picture, twice as large as it is shown, for screens with small pixels."""
-QUALITY = 82
-"""Of the WebP: some 20 kB."""
+WIDTH_PX, HEIGHT_PX = 800, 600  # Of the picture, twice as large as it is shown, for screens with small pixels.
+QUALITY = 82  # Of the WebP: some 20 kB.
 NOUNS = {"male": "A boy", "female": "A girl", None: "An infant, the mean of boys and girls,"}
 POSES = {"standing": "stands", "sitting": "sits", "supine": "lies on its back", "prone": "lies on its belly"}
 
@@ -125,8 +123,7 @@ def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) 
 
 
 WIDTH, HEIGHT = 150.0, 14.0
-MOST = 0.12
-"""Largest deviation that a bar shows, relative to the average."""
+MOST = 0.12  # Largest deviation that a bar shows, relative to the average.
 FAR = "bar-far"
 
 ABOUT = (
@@ -160,7 +157,6 @@ def _rows(model: mujoco.MjModel, age_months: float, sources: Sources) -> Iterato
 
 
 def _bar(name: str, deviation: float) -> Drawing:
-    """Return a bar from the middle to the deviation."""
     middle, scale = WIDTH / 2, WIDTH / 2 / MOST
     shown = scale * min(max(deviation, -MOST), MOST)
     kind = FAR if abs(deviation) > TOLERANCE else "bar"

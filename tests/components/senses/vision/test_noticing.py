@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from mimoc.components.senses.vision import VisionEntry
-from mimoc.components.senses.vision.noticing import EDGE_DEG, fade, noticed_share
+from mimoc.components.senses.vision.flicker import EDGE_DEG, fade, noticed_share
 from mimoc.components.senses.vision.run import filters
 
 

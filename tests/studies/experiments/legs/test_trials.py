@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import pytest
 
 from mimoc.studies import kept_results
-from mimoc.studies.experiments.legs.changes import change_text, direction, relative_changes
-from mimoc.studies.experiments.legs.intervals import interval, sign_test
+from mimoc.studies.experiments.legs.intervals import change_text, direction, interval, relative_changes, sign_test
 from mimoc.studies.experiments.legs.trials import FOLDER, Result, Trial, forget_trials, run_trials
 from mimoc.studies.experiments.notebook import open_notebook
 

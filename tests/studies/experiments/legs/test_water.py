@@ -6,7 +6,7 @@ import pytest
 
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.studies.experiments.legs.infants import Setup, legs_of, open_infant
-from mimoc.studies.experiments.legs.water import DRAG, LIMB_KG_M3, WATER_KG_M3, Water, broadsides_m2
+from mimoc.studies.experiments.legs.steps import DRAG, LIMB_KG_M3, WATER_KG_M3, Water, broadsides_m2
 
 
 @pytest.fixture

@@ -12,11 +12,10 @@ from mimoc.studies.movement import TRIALS, USUAL, Subject
 from mimoc.studies.movement.drive import settled
 from mimoc.studies.movement.trials import kicking, roll
 from mimoc.studies.movement.trials.arm_lift import arm_lift
-from mimoc.studies.movement.trials.kicking import SIDES, excursions, tilted
+from mimoc.studies.movement.trials.kicking import SIDES, excursions, lifts, tilted, with_weights
+from mimoc.studies.movement.trials.posture import places, speeds
 from mimoc.studies.movement.trials.reach import fastest_reach, reach
 from mimoc.studies.movement.trials.roll import POSTURES, Roller, search_roll
-from mimoc.studies.movement.trials.speeds import places, speeds
-from mimoc.studies.movement.trials.stepping import lifts, with_weights
 
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
 

@@ -15,9 +15,9 @@ from mimoc.studies.movement.drive import QUIET, again, run, settled
 from mimoc.studies.movement.rod import ROD, gripping, hand_of, with_rod
 from mimoc.studies.movement.trials.grip import grip
 from mimoc.studies.movement.trials.kick import best_kick, kick
+from mimoc.studies.movement.trials.kicking import lifts
 from mimoc.studies.movement.trials.posture import leg_length
 from mimoc.studies.movement.trials.saccade import STEP_S, saccade
-from mimoc.studies.movement.trials.stepping import lifts
 
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
 HANDS = ("mitten", "five_finger")
