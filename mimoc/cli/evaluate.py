@@ -32,6 +32,7 @@ def evaluate(
 ) -> None:
     """Run the infants under a policy in episodes with seeds of their own, and print how well they did."""
     from mimoc import make_vec
+    from mimoc.bundle.world import WorldBundle
     from mimoc.cli import console
     from mimoc.runtime.infants import infants_of
     from mimoc.runtime.quantities.measuring import measure
@@ -42,7 +43,13 @@ def evaluate(
     if side_by_side == 1:
         env: Any = open_env(shown, task)
     else:
-        env = make_vec(shown, side_by_side, **({"task": import_object(task)} if task else {}))
+        own: dict[str, Any] = {}
+        rows = side_by_side * len(shown.infants) if isinstance(shown, WorldBundle) else side_by_side
+        if task and isinstance(shown, WorldBundle):
+            own = {"tasks": {name: import_object(task) for name in shown.infants}}
+        elif task:
+            own = {"task": import_object(task)}
+        env = make_vec(shown, rows, **own)
     with closing(env), console.progress("evaluating") as show:
         chosen = policies_by_infant(policy, infant, None, infants_of("evaluate", env))
         done = run_episodes(env, chosen, episodes, seed, None, steps_per_episode, progress=show)

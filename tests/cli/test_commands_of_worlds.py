@@ -135,6 +135,10 @@ def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke,
     evaluated = invoke("evaluate", path, "--policy", "ben=random", "--episodes", "2", "--steps-per-episode", "3")
     assert evaluated.code == 0, evaluated.err
     assert "2 episodes, seeds 0 to 1" in evaluated.out
+    own = ["--episodes", "2", "--steps-per-episode", "3", "--task", "own_task:Height"]
+    beside = [invoke("evaluate", path, "--policy", "random", *own, "--envs", str(envs)) for envs in (1, 2)]
+    assert beside[0].code == 0, beside[0].err
+    assert beside[0].out == beside[1].out
     told = "'bne' is not a name of an infant of this world; did you mean 'ben'?\n"
     assert invoke("run", path, "--policy", "bne=zero").err == told
 
