@@ -35,7 +35,7 @@ NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""
 
 
-class DeviceSimulation:
+class DeviceBatch:
     """Everything on the device, and what happens there."""
 
     def __init__(

@@ -27,7 +27,7 @@ from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import AS_BUILT, InitialStates, StartOptions
 from mimoc.runtime.device.residents import Residents, check_start, variant_of_state
 from mimoc.runtime.device.signals import check_infant, find_device
-from mimoc.runtime.device.simulation import DeviceSimulation
+from mimoc.runtime.device.simulation import DeviceBatch
 from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given
@@ -100,7 +100,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         self.residents = Residents(tuple(infants), which, which)
         with present(self.device):
             room = contacts, constraints
-            self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
+            self.worlds = DeviceBatch(infants, which, room, touch, starts, mode, max_episode_steps)
             self._ages = self._present_ages()
             self._starts: dict[StartOptions, InitialStates] = {AS_BUILT: self.worlds.default_starts}
             self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
