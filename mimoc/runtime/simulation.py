@@ -70,6 +70,10 @@ class Simulation:
             variants: Makes the same infants at other ages and in other scenes; see `bundle.variants`.
             pictures: How it shows itself.
             draws: Whether anything draws the infants, so that a model needs the skins of their ages.
+
+        Raises:
+            KindError: If an object of a script is none of its kind.
+            RenderingError: If vision or the pictures need OpenGL or a screen that is not available.
         """
         self._variant, self._variants, self._draws = variant, variants, draws
         self.infants: Mapping[str, Infant] = MappingProxyType(dict(infants))
@@ -127,6 +131,16 @@ class Simulation:
             seeds: By infant; one without a seed goes on drawing.
             options: By infant, its `pose`, `arousal` and `age_months`, and `objects` that are elsewhere.
             scene_seed: The scene, from now on.
+
+        Returns:
+            Observation and info of each infant.
+
+        Raises:
+            UnknownNameError: If there is no such pose, object or option.
+            TypeError: If options are no dictionary.
+            ValueError: If a seed, an age, an arousal or the place of an object is none that there can be.
+            MimocError: If there are no such infants, and nothing has changed then; or if infants would start within
+                each other, and no episode is on then.
         """
         given = {name: self._options(name, options.get(name)) for name in self.infants}
         seeds = {name: checked_seed(seed) for name, seed in seeds.items() if seed is not None}
@@ -154,7 +168,11 @@ class Simulation:
         return started
 
     def step(self, actions: Mapping[str, Any]) -> dict[str, Stepped]:
-        """Make one control step; infants without an action command nothing, and their episodes do not go on."""
+        """Make one control step; infants without an action command nothing, and their episodes do not go on.
+
+        Raises:
+            ValueError: If an action has the wrong shape or is not finite; no time has passed then.
+        """
         if self.schedules:
             self.grow_as_scheduled()
         controls, data = self._controls(actions), self.data
@@ -189,7 +207,12 @@ class Simulation:
             self.grow(due)
 
     def grow(self, ages_months: Mapping[str, float]) -> None:
-        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`."""
+        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`.
+
+        Raises:
+            ValueError: If one is no age from 0 to 24 months.
+            MimocError: If there is no such infant, or nothing can make it; nothing has changed then.
+        """
         variant = self.find(ages_months)
         if variant is None:
             return
@@ -231,6 +254,10 @@ class Simulation:
 
         All later steps are exactly as they would have been from there. Derived quantities (contacts, positions of
         bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before.
+
+        Raises:
+            ValueError: If it is no state of these infants, or cannot be restored here; nothing has changed then.
+            MimocError: If there are no such infants.
         """
         ages = {name: infant[AGE] for name, infant in _infants_in(state, [*self.infants]).items()}
         variant = self.find_in_state(ages, state[SEED])
