@@ -12,8 +12,8 @@ from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS, all_limb_bodies, 
 
 ROOT = Path(mimoc.__file__).parent
 RUNNING = (
-    *("runtime/*.py", "control/*.py", "policies/*.py", "tasks/*.py", "tasks/*/run.py", "actuation/*.py"),
-    *("actuation/*/run.py", "senses/*/run.py", "delays/signals.py", "delays/schedule.py", "recording/*.py"),
+    *("runtime/*.py", "runtime/batch/*.py", "runtime/delays/*.py", "policies/*.py", "policies/control/*.py"),
+    *("components/tasks/*/run.py", "components/actuation/*/run.py", "components/senses/*/run.py", "recording/*.py"),
 )
 FILES = sorted(path for pattern in RUNNING for path in ROOT.glob(pattern))
 OF_BUILDING = ("build", "spec")

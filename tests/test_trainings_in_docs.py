@@ -37,12 +37,12 @@ def commands() -> dict[str, str]:
 
 
 def programs() -> dict[str, list[str]]:
-    """Return the Python blocks of each page that trains in one of them."""
+    """Return the Python blocks of each page that trains in one of them, but for those that read what commands wrote."""
     found = {}
     for path in PAGES:
         blocks = re.findall(r"^```python\n(.*?)^```$", path.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
         if any(".learn(" in block for block in blocks):
-            found[str(path.relative_to(CHECKOUT))] = blocks
+            found[str(path.relative_to(CHECKOUT))] = [block for block in blocks if "read_recording(" not in block]
     return found
 
 

@@ -212,8 +212,7 @@ def record(
     if infant is not None:
         check_name("name of an infant of this environment", infant, infants)
     run, step_ms = Run(env, policy, seed), next(iter(infants.values())).manifest.step_ms
-    options: Any = {"eyes": eyes, "rate_hz": rate_hz, "height_px": height_px, "body": body}
-    with film_of(file, step_ms, infant=infant, **options) as film:
+    with film_of(file, step_ms, infant=infant, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as film:
         film(infants, run.observations)
         for done in range(1, steps + 1):
             run.step()

@@ -45,6 +45,8 @@ def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, An
         raise UnknownNameError("reset option" if is_alone else "reset option of an infant in a world", str(key), known)
     if AROUSAL in options:
         options[AROUSAL] = checked_arousal(options[AROUSAL])
+    if SEED in options:
+        options[SEED] = checked_seed(options[SEED], SEED)
     checked_moves(options.get(OBJECTS, {}), names_of(objects))
     return options
 

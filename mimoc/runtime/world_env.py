@@ -293,7 +293,7 @@ class WorldEnv:
         for thing, place in options.get(OBJECTS, {}).items():
             named = (name for name in names if isinstance(place, str) and f" {name}_" in place)
             of_infants.setdefault(next(named, names[0]), {}).setdefault(OBJECTS, {}).setdefault(thing, place)
-        return of_infants, options.get(SEED)
+        return of_infants, checked_seed(options[SEED], SEED) if SEED in options else None
 
     def _observe(self) -> Observations:
         return {name: self.infants[name].observe() for name in self.agents}

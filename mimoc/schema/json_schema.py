@@ -10,6 +10,7 @@ from mimoc.schema.base import Model
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
+from mimoc.schema.wording import ONE_OF_SEVERAL
 from mimoc.schema.world import WorldSpec
 
 FILES: Mapping[str, tuple[type[Model], str]] = {
@@ -23,8 +24,6 @@ ABOUT = ("description", "default")
 VERSION = 1
 """Of the language: the value of the key `mimoc`."""
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-ONE_OF_SEVERAL = "infant"
-"""A key of sections in a scene that only worlds with several infants have."""
 NOTHING = {"type": "null"}
 """What pydantic lets optional keys be; a file leaves them out instead."""
 

@@ -28,6 +28,8 @@ _UNIT_SUFFIX = re.compile(
 _WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
 _MISSPELT = 0.85
 """Similarity (`difflib`) from which an unknown key counts as a misspelling of a key of its section."""
+ONE_OF_SEVERAL = "infant"
+"""A key of sections in a scene that only worlds with several infants have."""
 _SYNONYMS = {"girl": "female", "f": "female", "woman": "female", "boy": "male", "m": "male", "man": "male"}
 """Words that users write for a choice that is spelt quite differently."""
 _PERCENTILE = re.compile(r"\s*p?\s*([0-9]+(?:\.[0-9]+)?)\s*(?:%|st|nd|rd|th)?(?:\s*percentile)?\s*", re.IGNORECASE)
@@ -125,7 +127,8 @@ def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
     """Return the message for an unknown key, in a section that may be one of several kinds."""
     section, key = path[:-1], re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
     kinds = language.kinds_of(section)
-    known = kinds.get(kind, language.outline(section)).keys
+    is_world = "infants" in language.outline(()).keys
+    known = [name for name in kinds.get(kind, language.outline(section)).keys if is_world or name != ONE_OF_SEVERAL]
     if not known:
         return "unknown key; this section has no keys, write it as {}"
     if kind in kinds and (others := [name for name, other in kinds.items() if key in other.keys]):

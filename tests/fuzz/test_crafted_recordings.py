@@ -50,7 +50,6 @@ def uses(folder: Path, bundle: mimoc.Bundle):
         "csv": lambda: mimoc.export_recording(folder, "csv", out / "csv"),
         "minari": lambda: mimoc.export_recording(folder, "minari", out / "minari"),
         "lerobot": lambda: mimoc.export_recording(folder, "lerobot", out / "lerobot"),
-        "recording": lambda: mimoc.export_recording(folder, "recording", out / "converted"),
         "view": lambda: mimoc.view(folder, out / "page.html"),
         "replay": lambda: list(mimoc.replay_recording(folder)),
         "video": lambda: replay_to_video(folder, out / "video.gif"),

@@ -247,7 +247,7 @@ def test_a_format_from_outside_that_fails_leaves_nothing(recording, registered, 
     ("record", "reason"),
     [
         (ExporterKind("csv", "mine", write_returns), "there is a format of recordings 'csv' already, from mimoc"),
-        (ExporterKind("recording", "mine", write_returns), "there is a format of recordings 'recording' already"),
+        (ExporterKind("lerobot", "mine", write_returns), "there is a format of recordings 'lerobot' already"),
         (ExporterKind("my format", "mine", write_returns), "'my format' cannot name a format of recordings"),
         (ExporterKind("mine", "mine", 5), "ExporterKind.run is 5"),
         (ExporterKind("mine", "mine", "no_such_module"), "names the module 'no_such_module', which does not exist"),

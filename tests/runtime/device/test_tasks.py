@@ -212,7 +212,7 @@ def test_rewards_are_finite_numbers_of_each_infant():
     envs.reset(seed=0)
     actions = np.zeros(envs.action_space.shape, np.float32)
     envs.step(actions)
-    with pytest.raises(DeviceError, match=r"task mimoc\.tasks\.task:Task: the last reward of infant 1 was no finite"):
+    with pytest.raises(DeviceError, match=r"task mimoc\.runtime\.task:Task: the last reward of infant 1 was no finite"):
         envs.step(actions)
     with pytest.raises(TypeError, match="infants on a device cannot be copied or pickled"):
         copy.deepcopy(envs)
