@@ -232,9 +232,7 @@ def test_commands_that_are_not_finite_are_errors():
 
 def test_a_task_that_is_no_term_stays_on_the_cpu():
     infant = InfantEnv(bundle(9), task=mimoc.Task())
-    with pytest.raises(
-        DeviceError, match=r"'mimoc\.runtime\.task:Task' is not a term, so it runs on the CPU only"
-    ):
+    with pytest.raises(DeviceError, match=r"'mimoc\.runtime\.task:Task' is not a term, so it runs on the CPU only"):
         DeviceEnv([infant], device=WARP_DEVICE)
     infant.close()
 
