@@ -56,14 +56,12 @@ class Batch:
         self.infants = tuple(infant for world in self.simulations for infant in world.infants.values())
         self.world_of = [number for number, world in enumerate(self.simulations) for _ in world.infants]
         """The world of each row."""
+        numbers = iter(range(len(self.infants)))
+        self.rows_of = [dict(zip(world.infants, numbers, strict=False)) for world in self.simulations]
+        """The rows of each world, by the names of its infants."""
         models, datas = [world.model for world in self.simulations], [world.data for world in self.simulations]
         self.physics = ThreadedPhysics(models, datas, threads)
         self._bind()
-
-    def rows_of(self, world: int) -> dict[str, int]:
-        """Return the rows of a world, by the names of its infants."""
-        first = self.world_of.index(world)
-        return {name: first + number for number, name in enumerate(self.simulations[world].infants)}
 
     def step(self, actions: npt.NDArray[Any], rows: Sequence[int]) -> None:
         """Make a control step of some infants, all of their worlds; actions are of all n, shape (n, commands)."""

@@ -165,20 +165,22 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
                 batch.simulations[world].grow_as_scheduled()
                 batch.simulations[world].steps_done += 1
         batch.refresh()
-        rows = [row for world in going for row in batch.rows_of(world).values()]
-        observed = [row for row in rows if self.infants[row].observer.keeps]
-        for row in observed:
-            self.infants[row].observer.stepping()
+        rows = [row for world in going for row in batch.rows_of[world].values()]
+        infants = batch.infants
+        observed = {row: infants[row].observer for row in rows if infants[row].observer.keeps}
+        for observer in observed.values():
+            observer.stepping()
         batch.step(actions, rows)
         unstable, judged = batch.are_unstable(), {}
         for row in rows:
-            infant = self.infants[row]
+            infant = infants[row]
             rewards[row], terminated[row], truncated[row], infos[row] = infant.judge(
                 actions[row], unstable=unstable[row]
             )
             if self._max_steps is not None and infant.steps >= self._max_steps:
                 truncated[row] = True
-            judged[row] = float(rewards[row]), bool(terminated[row]), bool(truncated[row]), infos[row]
+            if row in observed:
+                judged[row] = float(rewards[row]), bool(terminated[row]), bool(truncated[row]), infos[row]
         for world in ended:
             infos |= {row: info for row, (_, info) in self._reset_world(world).items()}
         batch.refresh()
@@ -186,9 +188,9 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         for row in rows:
             for readings in observation.values() if unstable[row] else ():
                 np.nan_to_num(readings[row], copy=False)
-        for row in observed:
+        for row, observer in observed.items():
             seen = {name: readings[row] for name, readings in observation.items()}
-            self.infants[row].observer.stepped(actions[row], seen, judged[row])
+            observer.stepped(actions[row], seen, judged[row])
         self._end_together(terminated, truncated)
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._reset_ended(observation, infos)
@@ -198,7 +200,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         """Truncate the episodes of infants that share their world with one whose episode has ended."""
         self._ended = terminated | truncated
         for world in {self._batch.world_of[row] for row in np.flatnonzero(self._ended)}:
-            rows = list(self._batch.rows_of(world).values())
+            rows = list(self._batch.rows_of[world].values())
             truncated[rows] |= ~self._ended[rows]
             self._ended[rows] = True
 
@@ -215,7 +217,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         options = options_of({AGE: to}, self.num_envs)
         with sharing(self._renderers):
             for world, simulation in enumerate(self.simulations):
-                ages = {name: options[row][AGE] for name, row in self._batch.rows_of(world).items() if options[row]}
+                ages = {name: options[row][AGE] for name, row in self._batch.rows_of[world].items() if options[row]}
                 simulation.grow(ages)
         self._batch.refresh()
         return self._batch.observe()
@@ -332,7 +334,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         self, world: int, seeds: Sequence[int | None] | None = None, options: Sequence[dict[str, Any]] | None = None
     ) -> dict[int, tuple[Observation, dict[str, Any]]]:
         """Start an episode of all infants of a world, with the seeds and options of its rows; return those by row."""
-        rows, simulation = self._batch.rows_of(world), self.simulations[world]
+        rows, simulation = self._batch.rows_of[world], self.simulations[world]
         given = {name: dict(options[row]) if options else {} for name, row in rows.items()}
         scenes = [] if "" in given else [asked.pop(SEED) for asked in given.values() if SEED in asked]
         with sharing(self._renderers):
