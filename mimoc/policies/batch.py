@@ -61,7 +61,7 @@ def batch_of(envs: Any) -> Batch:
         raise PolicyError(f"expected a vector environment of mimoc.make_vec, got {described(envs)}")
     if not hasattr(envs, "worlds"):
         return Batch(envs.infants, lambda: np.array([[infant.arousal] for infant in envs.infants]))
-    infants = _Residents(envs)
+    infants = _AssignedInfants(envs)
     if envs.arrays == "numpy":
         return Batch(
             infants, lambda: envs.worlds.arousal.level.cpu().numpy()[:, None].astype(np.float64), is_on_device=True
@@ -72,7 +72,7 @@ def batch_of(envs: Any) -> Batch:
     return Batch(infants, lambda: envs.worlds.arousal.level[:, None], xp, put, is_on_device=True)
 
 
-class _Residents(Sequence[Infant]):
+class _AssignedInfants(Sequence[Infant]):
     """The infants that stand for those in the worlds of a device now."""
 
     def __init__(self, envs: Any):
@@ -84,4 +84,4 @@ class _Residents(Sequence[Infant]):
     def __getitem__(self, row: Any) -> Any:
         if row >= len(self):
             raise IndexError(row)
-        return self._envs.residents.infant(row)
+        return self._envs.assignment.infant(row)

@@ -41,7 +41,7 @@ class DeviceInfant:
         self.seen: Observation = {name: np.zeros(space.shape, space.dtype) for name, space in spaces.items()}
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._env.residents.infant(self._world), name)
+        return getattr(self._env.assignment.infant(self._world), name)
 
     def get_state(self) -> dict[str, Any]:
         """Return nothing: states of a device are not recorded."""

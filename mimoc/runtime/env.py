@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.envs.registration import EnvSpec
 
-from mimoc.base.classes import described
 from mimoc.base.state_form import demand
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
@@ -193,14 +192,6 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.__dict__.update(kept)
         self.noise = NoiseStreams(self.np_random_seed)
         self.simulation = Simulation.again(simulation, {"": self})
-
-
-def infant_of(function: str, env: Any, advice: str = "make one with mimoc.make") -> InfantEnv:
-    """Return the infant of an environment, whatever wraps it."""
-    inside = getattr(env, "unwrapped", env)
-    if not isinstance(inside, InfantEnv):
-        raise TypeError(f"{function}: expected an environment of mimoc's, got {described(inside)}; {advice}")
-    return inside
 
 
 BOUND = {"simulation", "bundle", "_binding", "_judged", "noise", "observer", "closed"}

@@ -30,14 +30,20 @@ SEED, POSE, AROUSAL, OBJECTS = "scene_seed", "pose", "arousal", "objects"
 
 
 def options_given(options: Any) -> dict[str, Any]:
-    """Return the options of a reset, none for None."""
+    """Return the options of a reset, none for None; raise a TypeError if they are no dictionary."""
     if options is not None and not isinstance(options, Mapping):
         raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
     return dict(options or {})
 
 
 def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, Any]:
-    """Return the options of a reset for an infant, none for None."""
+    """Return the options of a reset for an infant, none for None.
+
+    Raises:
+        TypeError: If they are no dictionary.
+        UnknownNameError: If there is no such option in an environment with these variants, or no such object.
+        ValueError: If an arousal is none from 0 to 2, a seed no whole number, or the place of an object none.
+    """
     options, is_alone, objects = options_given(options), not infant.name, infant.manifest.objects
     known = [POSE, AROUSAL, *([AGE] if variants else []), *([OBJECTS] if objects else [])]
     known += [SEED] if is_alone and variants and variants.has_other_scenes else []
@@ -54,7 +60,18 @@ def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, An
 def find_start(
     options: Mapping[str, Mapping[str, Any]], variant: Variant, infants: Mapping[str, Infant], *, is_new: bool
 ) -> tuple[dict[str, str], dict[str, Pose]]:
-    """Return the keyframes whose poses infants start in, by name, and where the objects are put that options move."""
+    """Return the keyframes whose poses infants start in, by name, and where the objects are put that options move.
+
+    Args:
+        options: Of the reset, by infant; see `checked_options`.
+        variant: What is reset.
+        infants: The infants as they are bound now.
+        is_new: Whether the variant is another one than theirs.
+
+    Raises:
+        UnknownNameError: If there is no such pose.
+        ValueError: If an object would be inside of anything, or there is no such place; nothing has changed then.
+    """
     manifests = manifests_of(variant.bundle)
     poses = {
         name: _keyframe_of(manifest, options[name].get(POSE))
@@ -90,7 +107,19 @@ def _keyframe_of(manifest: Manifest, pose: str | None) -> str:
 def find_variant(
     variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: int | None = None
 ) -> Variant | None:
-    """Return infants with the ages and the scene that are wanted, or None if they have these already."""
+    """Return infants with the ages and the scene that are wanted, or None if they have these already.
+
+    Args:
+        variants: Makes an infant that is alone, of (age_months, seed), or a world, of (ages by name, seed); or None.
+        manifest: That of the infant or the world now.
+        ages_months: Their ages now; the name of an infant that is alone is empty.
+        wanted: Their ages then.
+        seed: The seed of the scene then; None is that of now.
+
+    Raises:
+        ValueError: If an age is none from 0 to 24 months, or the seed is no whole number.
+        MimocError: If there are no such infants, or nothing makes them.
+    """
     ages = {name: _age(age_months) for name, age_months in wanted.items()}
     seed = checked_seed(manifest.seed if seed is None else seed, SEED)
     if (ages, seed) == (ages_months, manifest.seed):
@@ -98,7 +127,7 @@ def find_variant(
     if variants is None:
         raise MimocError(
             "this environment can change neither the infant's age nor its scene, as it was opened by its class;"
-            " open it with mimoc.make"
+            " open it with mimoc.make, or a world with mimoc.make_parallel"
         )
     return variants(ages.get("", ages), seed)
 
@@ -106,7 +135,12 @@ def find_variant(
 def variant_of_state(
     variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: Any
 ) -> Variant | None:
-    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`."""
+    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`.
+
+    Raises:
+        ValueError: If this environment cannot make them.
+        MimocError: If there are no such infants.
+    """
     if checked_seed(seed, SEED) != manifest.seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {seed}, but this environment has {manifest.seed} and was not made from a spec, so it"
@@ -127,7 +161,7 @@ def sees_skin(manifest: Manifest) -> bool:
 
 
 def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
-    """Check that two models have the same parts, so that one can take over the state of the other."""
+    """Raise a MimocError unless two models have the same parts, so that one can take over the state of the other."""
     if _parts(former) != _parts(model):
         raise MimocError(
             "the infant has other parts at this age, so it cannot grow in the midst of an episode; reset it with the"

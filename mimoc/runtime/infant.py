@@ -94,13 +94,16 @@ class Infant:
     name = ""
     """Its name in a world; empty if it is alone."""
     simulation: Any
+    """The `Simulation` that it is in."""
     bundle: Bundle
     render_mode: Any = None
     observer: Observer = NO_OBSERVER
     noise: NoiseStreams
     """Random numbers of noise, jitter and companions, by channel."""
     random: np.random.Generator
+    """Random numbers of its task."""
     steps = 0
+    """Control steps of this episode so far."""
     action_space: Any
     """The space of its actions: one command for each of its commanded actuators."""
     observation_space: Any

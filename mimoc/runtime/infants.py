@@ -14,6 +14,9 @@ def infants_of(function: str, env: Any) -> dict[str, Infant]:
 
     The name of the only infant is empty; infants of a world have their own names, and those of a vector environment
     their numbers, from 0.
+
+    Raises:
+        TypeError: If it is no environment of mimoc's on the CPU; it names the function that was called.
     """
     inside = getattr(env, "unwrapped", env)
     if isinstance(inside, InfantEnv):

@@ -52,6 +52,8 @@ class Simulation:
     """
 
     data: mujoco.MjData
+    is_started = False
+    """Whether episodes are on: not after a reset that failed while it put infants into their places."""
 
     def __init__(
         self,
@@ -173,8 +175,7 @@ class Simulation:
         Raises:
             ValueError: If an action has the wrong shape or is not finite; no time has passed then.
         """
-        if self.schedules:
-            self.grow_as_scheduled()
+        self.grow_as_scheduled()
         controls, data = self._controls(actions), self.data
         acting = [self.infants[name] for name in actions]
         for infant in acting:
@@ -244,10 +245,16 @@ class Simulation:
         It consists of arrays, lists and dictionaries that are independent of the simulation and can be pickled.
         """
         infants = {name: infant.state for name, infant in self.infants.items()}
-        seen = [infant.companions.before for infant in self.infants.values() if infant.companions]
-        before = {BEFORE: seen[0]} if seen else {}
+        is_accompanied = any(infant.companions for infant in self.infants.values())
+        before = {BEFORE: self._seen_by_companions} if is_accompanied else {}
         physics = physics_of(self.bare, self.data)
         return copy.deepcopy({PHYSICS: physics, **before, INFANTS: infants, SEED: self.seed})
+
+    @property
+    def _seen_by_companions(self) -> FloatArray:
+        """The physics before the last step, whose bodies and contacts companions see, shape (n,); n is 0 for none."""
+        acting = (infant.companions for infant in self.infants.values() if len(infant.companions))
+        return next((companions.before for companions in acting), np.zeros(0))
 
     def set_state(self, state: Mapping[str, Any]) -> None:
         """Restore a state of this simulation, or of another one of the same bundle, with its ages and its scene.
@@ -391,6 +398,7 @@ class Simulation:
         Tasks draw from *chance*, by default from the random numbers of each infant. With *check*, infants that are
         within each other are an error.
         """
+        self.is_started = False
         model, data, infants = self.bare, self.data, list(self.infants.values())
         growing.put(poses, self._variant, data)
         infants[0].binding.objects.start(data, elsewhere)
@@ -409,6 +417,7 @@ class Simulation:
             infant.start_task(chance)
         for infant in infants:
             infant.start_signals()
+        self.is_started = True
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         """Restore a state of the infants that are bound, which is not kept."""
@@ -420,7 +429,7 @@ class Simulation:
             infant.restore_signals(state[INFANTS][name])
         accompanied = [infant for infant in self.infants.values() if infant.companions]
         if accompanied:
-            before = state[BEFORE]  # What companions see: bodies and contacts before the last physics step.
+            before = state[BEFORE]
             size = mujoco.mj_stateSize(model, STATE)
             demand(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), BEFORE, before)
             check_finite(before, BEFORE)
@@ -429,7 +438,7 @@ class Simulation:
                 mujoco.mj_step(model, data)
                 mujoco.mj_setState(model, data, state[PHYSICS], STATE)
             for infant in accompanied:
-                infant.companions.before = state[BEFORE]
+                infant.companions.before = before
 
 
 def _model_as_built(bindings: Sequence[Binding]) -> mujoco.MjModel:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
-from mimoc.base.errors import UnknownNameError, check_name
+from mimoc.base.errors import check_name
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.state_form import checked_list, demand
 from mimoc.base.units import ms_to_s
@@ -22,6 +22,8 @@ from mimoc.runtime.growing import OBJECTS, SEED
 from mimoc.runtime.infant import Custom, Infant
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import AgeSchedule, Pictures, Simulation
+from mimoc.schema.object_base import names_of
+from mimoc.schema.object_moves import checked_moves
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 Observations = dict[str, Observation]
@@ -163,18 +165,16 @@ class WorldEnv:
             UnknownNameError: If there is no such infant, pose, object or option.
             TypeError: If options are no dictionary.
             ValueError: If the seed is not a non-negative integer, or an age, an arousal or a place is none.
-            MimocError: If there is no such infant; or if infants are within each other as they start, and no episode
-                is on then.
+            MimocError: If there is no such infant, and nothing has changed then; or if infants are within each other as
+                they start, and no episode is on then.
         """
         of_infants, scene_seed = self._split(growing.options_given(options))
         first = None if seed is None else checked_seed(seed)
         seeds = {} if first is None else {name: first + number for number, name in enumerate(self.possible_agents)}
-        before, self.agents = self.agents, []
         try:
             started = self.simulation.reset(seeds, of_infants, scene_seed)
-        except (TypeError, ValueError, UnknownNameError):
-            self.agents = before
-            raise
+        finally:
+            self.agents = self.agents if self.simulation.is_started else []
         self.agents = list(self.possible_agents)
         return {name: start[0] for name, start in started.items()}, {name: start[1] for name, start in started.items()}
 
@@ -280,6 +280,10 @@ class WorldEnv:
         self.simulation = Simulation.again(simulation, infants)
 
     def _split(self, options: dict[str, Any]) -> tuple[dict[str, Any], int | None]:
+        """Return the options of a reset by infant, and the seed of the scene.
+
+        Objects of the world are moved around the infant whose part their place names, or else around the first.
+        """
         names, variants = self.possible_agents, self.simulation.variants
         known = [OBJECTS] if self.bundle.manifest.objects else []
         known += [SEED] if variants and variants.has_other_scenes else []
@@ -289,10 +293,13 @@ class WorldEnv:
                 continue  # PettingZoo's own tests pass an option that means nothing.
             check_name("name of an infant of this world", name, [*names, *known])
             if name in names:
-                of_infants[name] = growing.options_given(given)
-        for thing, place in options.get(OBJECTS, {}).items():
+                of_infants[name] = growing.checked_options(given, variants, self.infants[name])
+        places = options.get(OBJECTS, {})
+        checked_moves(places, names_of(self.bundle.manifest.objects))
+        for thing, place in places.items():
             named = (name for name in names if isinstance(place, str) and f" {name}_" in place)
-            of_infants.setdefault(next(named, names[0]), {}).setdefault(OBJECTS, {}).setdefault(thing, place)
+            of_infant = of_infants.setdefault(next(named, names[0]), {})
+            of_infant[OBJECTS] = {thing: place, **of_infant.get(OBJECTS, {})}
         return of_infants, checked_seed(options[SEED], SEED) if SEED in options else None
 
     def _observe(self) -> Observations:

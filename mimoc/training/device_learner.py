@@ -19,10 +19,10 @@ from mimoc.policies.network import Network, pack_network
 from mimoc.policies.policy_file import interface_of
 from mimoc.runtime.device.arrays import present, put
 from mimoc.runtime.device.episode_ends import DeviceTask
-from mimoc.runtime.device.residents import StartingInfant
 from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.usage import most_memory_mb, only_warnings
 from mimoc.runtime.device.vector_env import DeviceEnv
+from mimoc.runtime.device.world_assignment import ResetSampler
 from mimoc.runtime.env import InfantEnv
 from mimoc.training.agents import Modules, interval_seed
 from mimoc.training.checkpoint import Progress, pack_modules, restore_modules
@@ -282,7 +282,7 @@ def shared_device(settings: TrainingSettings, openers: Sequence[Callable[..., In
     """
     with only_warnings():
         infants = DeviceEnv(
-            [open_one(kind=StartingInfant) for open_one in openers],
+            [open_one(kind=ResetSampler) for open_one in openers],
             settings.envs * len(openers),
             settings.device.removeprefix("warp:"),
             "SameStep",

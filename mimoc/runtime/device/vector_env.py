@@ -25,10 +25,10 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.device.arrays import present, put, to_library
 from mimoc.runtime.device.capacity import Capacity
 from mimoc.runtime.device.initial_states import AS_BUILT, InitialStates, StartOptions
-from mimoc.runtime.device.residents import Residents, check_start, variant_of_state
 from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.simulation import DeviceBatch
 from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
+from mimoc.runtime.device.world_assignment import WorldAssignment, check_start, variant_of_state
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given
 
@@ -97,7 +97,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         self.arrays = arrays
         """What observations and rewards are: `numpy`, `torch` or `warp`."""
         which = np.arange(self.num_envs) % len(infants)
-        self.residents = Residents(tuple(infants), which, which)
+        self.assignment = WorldAssignment(tuple(infants), which, which)
         with present(self.device):
             room = contacts, constraints
             self.worlds = DeviceBatch(infants, which, room, touch, starts, mode, max_episode_steps)
@@ -112,7 +112,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
     @property
     def infants(self) -> tuple[InfantEnv, ...]:
         """The different infants, as single environments that stand for those in the worlds and are not stepped."""
-        return self.residents.infants
+        return self.assignment.infants
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -143,12 +143,12 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         which, given = reset_indices(options, self.num_envs), options_of(options, self.num_envs)
         levels = {world: checked_arousal(given[world][AROUSAL]) for world in which if AROUSAL in given[world]}
         chosen = set(which)
-        residents = self.residents.become([given[world] if world in chosen else {} for world in range(self.num_envs)])
-        for infant in residents.infants:
+        assignment = self.assignment.become([given[world] if world in chosen else {} for world in range(self.num_envs)])
+        for infant in assignment.infants:
             check_start(infant, options)
         with present(self.device):
             self.worlds.settle()
-            self._live(residents)
+            self._assign(assignment)
             if isinstance(seed, (int, np.integer)):
                 self._np_random, self._np_random_seed = seeding.np_random(int(seed))
             starts = self._starts_with(options)
@@ -231,16 +231,16 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             MimocError: If there is no such infant, or it cannot live beside the others; nothing has changed then.
             DeviceError: If something went wrong in the step before.
         """
-        residents = self.residents.become(options_of({AGE: to}, self.num_envs))
+        assignment = self.assignment.become(options_of({AGE: to}, self.num_envs))
         with present(self.device):
             self.worlds.settle()
-            former, worlds = self.residents, residents.changed(self.residents)
+            former, worlds = self.assignment, assignment.changed(self.assignment)
             kept = kept_in(self._carried())
             states = states_of(kept)
             for world in worlds:
-                now: Any = residents.infant(world)
+                now: Any = assignment.infant(world)
                 states[world] |= former.infant(world).grown_into(now, states[world])
-            self._live(residents)
+            self._assign(assignment)
             write_to(self._carried(), joined(states, kept))
             self.worlds.observe()
             return self._observed()
@@ -253,7 +253,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         with present(self.device):
             states = states_of(kept_in(self.worlds.slots()))
         for world, state in enumerate(states):
-            manifest = self.residents.infant(world).manifest
+            manifest = self.assignment.infant(world).manifest
             state |= {AGE: manifest.child.age_months, SEED: manifest.seed}
             state["random"]["choices"] = self.np_random.bit_generator.state
         return states
@@ -274,10 +274,10 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             kept = kept_in(self.worlds.slots())
             check_states(states, kept)
             choices = _checked_choices(states[0])
-            residents = self.residents.become(states, variant_of_state)
+            assignment = self.assignment.become(states, variant_of_state)
             restored = joined(states, kept)
             self.worlds.ended.report = None
-            self._live(residents)
+            self._assign(assignment)
             write_to(self.worlds.slots(), restored)
             self.np_random.bit_generator.state = choices
             self.worlds.observe()
@@ -299,14 +299,14 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         for infant in self.infants:
             infant.close()
 
-    def _live(self, residents: Residents) -> None:
-        worlds = residents.changed(self.residents)
+    def _assign(self, assignment: WorldAssignment) -> None:
+        worlds = assignment.changed(self.assignment)
         if len(worlds):
-            check_mixture(residents.infants)
-            for infant in residents.infants:
+            check_mixture(assignment.infants)
+            for infant in assignment.infants:
                 check_infant(infant)
-            self.worlds.become(residents.infants, residents.body, worlds)
-            self.residents, self._starts = residents, {AS_BUILT: self.worlds.default_starts}
+            self.worlds.become(assignment.infants, assignment.body, worlds)
+            self.assignment, self._starts = assignment, {AS_BUILT: self.worlds.default_starts}
             self._ages = self._present_ages()
 
     def _carried(self) -> dict[Path, Slot]:

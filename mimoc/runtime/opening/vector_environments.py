@@ -236,8 +236,8 @@ def _on_device(
     autoreset_mode: AutoresetMode | str,
     options: dict[str, Any],
 ) -> "DeviceEnv":
-    from mimoc.runtime.device.residents import StartingInfant
     from mimoc.runtime.device.vector_env import DeviceEnv
+    from mimoc.runtime.device.world_assignment import ResetSampler
 
     if options.pop("companions", None):
         raise MimocError("companions act on the CPU only: leave them out, or leave out device")
@@ -247,7 +247,7 @@ def _on_device(
     if render_mode is not None:
         raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
     objects = {name: options.pop(name) for name in ("task", "senses") if name in options}
-    infants = [StartingInfant(**parts, **deepcopy(objects)) for parts in prepared]
+    infants = [ResetSampler(**parts, **deepcopy(objects)) for parts in prepared]
     return DeviceEnv(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
 
 

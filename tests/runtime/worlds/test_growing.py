@@ -116,6 +116,57 @@ def test_infants_that_a_reset_would_make_too_large_for_their_places_are_refused(
 
 
 @pytest.mark.parametrize(
+    ("options", "kind", "message"),
+    [
+        ({"kim": {"age_months": 25}}, ValueError, "expected an age from 0 to 24 months"),
+        ({"scene_seed": None}, ValueError, "non-negative integer"),
+        ({"objects": ["block"]}, ValueError, "expected a dictionary of places"),
+        ({"kim": {"objects": 3}}, ValueError, "expected a dictionary of places"),
+        ({"objects": {"blok": {"x_cm": 1, "y_cm": 2}}}, UnknownNameError, "'blok' is not a named object"),
+    ],
+)
+def test_a_reset_that_is_refused_before_it_begins_leaves_all_as_they_are(options, kind, message):
+    env = opened(scene={"kind": "flat", "objects": [BLOCK]})
+    env.reset(seed=0)
+    state = env.get_state()
+    with pytest.raises(kind, match=message):
+        env.reset(options=options)
+    assert env.agents == ["kim", "lee"]
+    assert np.array_equal(env.get_state()["physics"], state["physics"])
+
+
+def test_the_options_of_a_reset_are_the_callers_own():
+    env = opened(scene={"kind": "flat", "objects": [BLOCK]})
+    options = {"kim": {"objects": {}}, "objects": {"block": {"x_cm": 70, "y_cm": 5}}}
+    before = copy.deepcopy(options)
+    env.reset(seed=0, options=options)
+    assert options == before
+
+
+class Breeze(mimoc.Companion):
+    """Pushes the other infant, and does so by what it has felt."""
+
+    def before_step(self, data):
+        data.xfrc_applied[-1, 0] = 0.01 * data.ncon
+
+
+def test_a_state_has_what_companions_of_any_infant_see():
+    """Also if an infant before theirs has a companion of its senses, as hearing is."""
+    hearing = InfantSpec.model_validate({**ANNA, "name": "kim", "senses": {"hearing": {"output": "levels"}}})
+    env = mimoc.make_parallel({"kim": hearing, "lee": LEE}, companions={"lee": {"breeze": Breeze()}})
+    env.reset(seed=0)
+    for _ in range(3):
+        env.step(rest(env))
+    state = env.get_state()
+    assert len(state["before"])
+    first, *_ = env.step(rest(env))
+    env.set_state(state)
+    again, *_ = env.step(rest(env))
+    for name in first:
+        assert all(np.array_equal(first[name][sense], again[name][sense]) for sense in first[name])
+
+
+@pytest.mark.parametrize(
     ("wrong", "kind", "message"),
     [
         ({"ann": 9}, UnknownNameError, "'ann' is not a name of an infant of this world"),

@@ -1,4 +1,4 @@
-"""Who lives in each world of a device, at which age and in which scene, as single environments that stand for them."""
+"""Which infant each world of a device simulates, at which age and in which scene, and what samples its resets."""
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
@@ -40,8 +40,8 @@ def variant_of_state(infant: InfantEnv, state: Any) -> Variant | None:
     return infant.simulation.find_in_state({"": state[growing.AGE]}, state[growing.SEED])
 
 
-class StartingInfant(InfantEnv):
-    """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
+class ResetSampler(InfantEnv):
+    """A single environment whose resets a device starts from; without OpenGL, as the device draws what its eyes see."""
 
     def _former_senses(self) -> Mapping[str, Sense]:
         """Return senses that are kept when it is bound: its vision, which sees nothing."""
@@ -62,17 +62,17 @@ class StartingInfant(InfantEnv):
         """Whether it can be in the scene of another seed."""
         return self.simulation.variants is not None and self.simulation.variants.has_other_scenes
 
-    def at(self, wanted: Any, find: Find) -> "StartingInfant":
+    def at(self, wanted: Any, find: Find) -> "ResetSampler":
         """Return the infant with the age and the scene that are wanted: itself, or another environment."""
         variant = find(self, wanted)
         if variant is None:
             return self
         objects = copy.deepcopy({"task": self._custom.task, "senses": self._custom.senses})
-        infant = StartingInfant(variant, variants=self.simulation.variants, **objects)
+        infant = ResetSampler(variant, variants=self.simulation.variants, **objects)
         check_same_space(self.observation_space, infant.observation_space)
         return infant
 
-    def grown_into(self, infant: "StartingInfant", state: dict[str, Any]) -> dict[str, Any]:
+    def grown_into(self, infant: "ResetSampler", state: dict[str, Any]) -> dict[str, Any]:
         """Return what fields of the simulation and the model in a state become if it is another age's from now on."""
         growing.check_same_body(self.simulation.bare, infant.simulation.bare)
         mujoco.mj_resetData(self.model, self.data)
@@ -109,8 +109,8 @@ def check_start(infant: InfantEnv, options: Mapping[str, Any]) -> None:
 
 
 @dataclass(frozen=True)
-class Residents:
-    """Who lives in each world."""
+class WorldAssignment:
+    """Which infant each world simulates."""
 
     infants: tuple[InfantEnv, ...]
     """The different ones, each at the ages and in the scenes that some world has it at."""
@@ -119,8 +119,17 @@ class Residents:
     source: IntArray
     """Of which infant that the environment was made of it is an age, shape (worlds,)."""
 
-    def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = variant_of_options) -> "Residents":
-        """Return who lives there if each world's infant gets an age and a scene; nothing has changed if that fails."""
+    def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = variant_of_options) -> "WorldAssignment":
+        """Return the assignment once infants have other ages and scenes; nothing has changed if that fails.
+
+        Args:
+            wanted: `age_months` and `scene_seed` for each world; those that are missing stay as they are.
+            find: Finds that infant.
+
+        Raises:
+            ValueError: If these are not an age and a seed.
+            MimocError: If there is no such infant.
+        """
         if not any(map(_is_change, wanted)):
             return self
         made: dict[Any, InfantEnv] = {}
@@ -137,14 +146,14 @@ class Residents:
             now.append(infant)
         different = list({id(infant): infant for infant in now}.values())
         places = {id(infant): place for place, infant in enumerate(different)}
-        return Residents(tuple(different), np.array([places[id(infant)] for infant in now]), self.source)
+        return WorldAssignment(tuple(different), np.array([places[id(infant)] for infant in now]), self.source)
 
     def infant(self, world: int) -> InfantEnv:
         """Return the infant that stands for the one in a world."""
         return self.infants[self.body[world]]
 
-    def changed(self, former: "Residents") -> IntArray:
-        """Return the worlds in which another infant lives than before, shape (n,)."""
+    def changed(self, former: "WorldAssignment") -> IntArray:
+        """Return the worlds that simulate another infant than before, shape (n,)."""
         pairs = enumerate(zip(self.body, former.body, strict=True))
         return np.array([world for world, (now, then) in pairs if self.infants[now] is not former.infants[then]], int)
 
@@ -162,6 +171,6 @@ def _asked(options: Any) -> Any:
 
 
 def _at(infant: InfantEnv, wanted: Any, find: Find) -> InfantEnv:
-    if not isinstance(infant, StartingInfant):
+    if not isinstance(infant, ResetSampler):
         raise MimocError("these infants were opened by their class and keep their ages; make them by mimoc.make_vec")
     return infant.at(wanted, find)
