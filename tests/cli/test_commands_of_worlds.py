@@ -154,7 +154,11 @@ def test_each_infant_has_its_policy_its_task_and_its_healthy_counterpart(invoke,
         (["view", "-o", "a.html", "--physics"], "--physics is for a single infant"),
         (["see", "-o", "a.png", "--infant", "bob"], "'bob' is not a name of an infant of this world"),
         (["rooms", "-o", "a.png"], "'flat' without toys is the same for every seed"),
-        (["train", "-o", "out", "--one-process"], "worlds of a training are in one process"),
+        pytest.param(
+            ["train", "-o", "out", "--one-process"],
+            "worlds of a training are in one process",
+            marks=pytest.mark.extras,
+        ),
     ],
 )
 def test_what_is_for_single_infants_is_refused_in_one_line(invoke, folder, tmp_path, monkeypatch, arguments, message):
