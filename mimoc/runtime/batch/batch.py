@@ -56,8 +56,8 @@ class Batch:
         self.infants = tuple(infant for world in self.simulations for infant in world.infants.values())
         self.world_of = [number for number, world in enumerate(self.simulations) for _ in world.infants]
         """The world of each row."""
-        numbers = iter(range(len(self.infants)))
-        self.rows_of = [dict(zip(world.infants, numbers, strict=False)) for world in self.simulations]
+        rows = iter(range(len(self.infants)))
+        self.rows_of = [{name: next(rows) for name in world.infants} for world in self.simulations]
         """The rows of each world, by the names of its infants."""
         models, datas = [world.model for world in self.simulations], [world.data for world in self.simulations]
         self.physics = ThreadedPhysics(models, datas, threads)
