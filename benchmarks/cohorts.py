@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from mimoc.studies.cohorts import Cohort
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.store import size_bytes
 
 BASE = {

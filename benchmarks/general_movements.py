@@ -17,11 +17,10 @@ import numpy as np
 
 from mimoc.motion.reading import read_points
 from mimoc.movement.classifier import told_apart, windows_of
-from mimoc.movement.filming import Filmed
+from mimoc.movement.filming import Filmed, film_policy
 from mimoc.movement.real_infants import real_infants, told_from_real
 from mimoc.movement.report import measure_all
 from mimoc.movement.sample import distance, standard_scores
-from mimoc.movement.simulated import film_policy
 from mimoc.schema.infant import InfantSpec
 
 BY_AGE = (

@@ -11,8 +11,8 @@ from scipy.signal import butter, sosfiltfilt
 from mimoc.bundle.model import load_model
 from mimoc.compiler.pipeline import build
 from mimoc.motion.body_points import film, locate
+from mimoc.motion.labels import MINI_RGBD_POINTS, POINTS
 from mimoc.motion.point_recording import PointRecording
-from mimoc.motion.points import MINI_RGBD_POINTS, POINTS
 from mimoc.schema.infant import InfantSpec
 
 FloatArray = npt.NDArray[np.float64]

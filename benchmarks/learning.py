@@ -14,10 +14,11 @@ from pathlib import Path
 from statistics import fmean, median
 
 import mimoc
+from mimoc.bundle.files import write_file
 from mimoc.cli.console import progress
 from mimoc.render.plots.file import encode
-from mimoc.render.plots.learning import learning_sheet
-from mimoc.studies.experiments.notebook import markdown_table, open_notebook
+from mimoc.render.plots.plot import learning_sheet
+from mimoc.studies.notebook import markdown_table, open_notebook
 from mimoc.training import Curve, Episode
 
 CONFIG = "configs/reach.yaml"
@@ -106,7 +107,7 @@ def write(given: argparse.Namespace, curves: Sequence[Curve], random: Result, ta
         "episode_steps": fmean(each.steps for each in random.episodes),
     }
     columns = [curve.columns() for curve in curves]
-    notebook.write_picture("learning.png", encode(learning_sheet({"PPO": columns}, baseline)))
+    write_file(notebook.folder / "learning.png", encode(learning_sheet({"PPO": columns}, baseline)))
     about = ABOUT.format(
         config=CONFIG,
         steps=given.steps,
@@ -116,7 +117,9 @@ def write(given: argparse.Namespace, curves: Sequence[Curve], random: Result, ta
         minutes=fmean(curve.rows[-1].wall_s for curve in curves) / 60,
     )
     made = f"    python benchmarks/learning.py --steps {given.steps} --seeds {given.seeds} --episodes {given.episodes}"
-    notebook.write_picture("learning.md", f"# Learning to reach\n\n{about}\n\n## Reproduction\n\n{made}\n".encode())
+    write_file(
+        notebook.folder / "learning.md", f"# Learning to reach\n\n{about}\n\n## Reproduction\n\n{made}\n".encode()
+    )
 
 
 if __name__ == "__main__":

@@ -37,12 +37,11 @@ from beside_mimo import infant, senses_of
 from measuring import felt
 
 import mimoc
-from mimoc.base.geometry.primitives import extents, girth
-from mimoc.base.geometry.sections import Solids
+from mimoc.base.geometry.primitives import Solids, extents, girth
 from mimoc.base.units import m_to_cm
-from mimoc.bundle.primitives import PRIMITIVES
+from mimoc.bundle.model import PRIMITIVES
 from mimoc.compiler.measuring import UP, compile_infant
-from mimoc.studies.growth.who import Stature, compare_with_who, measure_compiled
+from mimoc.studies.growth import Stature, compare_with_who, measure_compiled
 
 FOLDER = Path(__file__).parent
 AGES_MONTHS = (0, 1, 2, 4, 6, 9, 12, 18, 24)

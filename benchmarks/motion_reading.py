@@ -22,9 +22,9 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from support import filmed
 
 from mimoc.motion.body_points import film
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.motion.point_recording import PointRecording
-from mimoc.motion.points import MINI_RGBD_POINTS
-from mimoc.motion.writing import write_mini_rgbd, write_points
+from mimoc.motion.reading import write_mini_rgbd, write_points
 
 RATE_HZ = 30
 

@@ -18,9 +18,9 @@ import numpy as np
 
 from mimoc.movement import core_measures
 from mimoc.movement.classifier import Windows, told_apart, windows_of
+from mimoc.movement.filming import film_policy
 from mimoc.movement.real_infants import real_infants, told_from_real
 from mimoc.movement.sample import distance
-from mimoc.movement.simulated import film_policy
 from mimoc.movement.sources import films_in
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.env import InfantEnv

@@ -8,7 +8,7 @@ frames/s, with noise in pixels, child by child as --noise has it, or with --ever
 The fit knows the age and the hands, with --height also the camera's height. --mini sees the 14 points of MINI-RGBD.
 Prints, for each kind of motion: the share of angles in their interval, of hinges that are said to be seen and of all;
 the median of half the width of intervals of those that are seen; the share of hinges that are said to be unseen; and of
-lengths. --calibrate prints by how much the factors in `mimoc/movement/retargeting/one_camera.py` are too small.
+lengths. --calibrate prints by how much the factors in `mimoc/movement/retargeting/uncertainty.py` are too small.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from retargeting import HEIGHT_M, average_like
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.motion.points import MINI_RGBD_POINTS
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.movement.retargeting.result import LEVEL, QUANTILE, Interval
 from mimoc.movement.retargeting.sizes import lengths_of
 

@@ -14,7 +14,7 @@ from known_motions import ALL_POINTS, in_space, known_motion, model_of, random_c
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.motion.body_points import locate
-from mimoc.motion.points import MINI_RGBD_POINTS
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.movement.retargeting.result import QUANTILE, Retargeted
 from mimoc.movement.retargeting.sizes import lengths_of
 from mimoc.schema.body import BodySpec

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from mimoc.compiler.worlds import build_world as build_world
     from mimoc.components.companions.caregiver.run import Caregiver as Caregiver
     from mimoc.motion.point_recording import Camera as Camera, PointRecording as PointRecording
-    from mimoc.motion.reading import read_points as read_points
-    from mimoc.motion.writing import write_points as write_points
+    from mimoc.motion.reading import read_points as read_points, write_points as write_points
     from mimoc.movement import measure_movement as measure_movement
     from mimoc.movement.retargeting.folder import (
         read_retargeted as read_retargeted,
@@ -37,19 +36,20 @@ if TYPE_CHECKING:
         Posture as Posture,
     )
     from mimoc.policies.many import policy_vec as policy_vec
-    from mimoc.recording import record as record
-    from mimoc.recording.between import contacts_and_gaze as contacts_and_gaze
     from mimoc.recording.export import export_recording as export_recording
-    from mimoc.recording.measures import measure_recordings as measure_recordings
+    from mimoc.recording.measures import (
+        contacts_and_gaze as contacts_and_gaze,
+        measure_recordings as measure_recordings,
+    )
     from mimoc.recording.reading import read_recording as read_recording
-    from mimoc.recording.replay_recording import replay_recording as replay_recording
-    from mimoc.recording.wrappers import Recorder as Recorder
+    from mimoc.recording.record import record as record
+    from mimoc.recording.recorder import Recorder as Recorder
+    from mimoc.recording.replaying import replay_recording as replay_recording
+    from mimoc.runtime.actuation import torque_limits as torque_limits
     from mimoc.runtime.companion import Companion as Companion
     from mimoc.runtime.env import InfantEnv as InfantEnv
-    from mimoc.runtime.growth_schedule import growth_schedule as growth_schedule
-    from mimoc.runtime.growth_wrapper import GrowthWrapper as GrowthWrapper
+    from mimoc.runtime.growth_wrapper import GrowthWrapper as GrowthWrapper, growth_schedule as growth_schedule
     from mimoc.runtime.judgement import Judgement as Judgement, Verdict as Verdict
-    from mimoc.runtime.limits import torque_limits as torque_limits
     from mimoc.runtime.opening.environments import make as make
     from mimoc.runtime.opening.parallel import make_parallel as make_parallel
     from mimoc.runtime.opening.vector_environments import make_vec as make_vec
@@ -58,13 +58,13 @@ if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec as InfantSpec
     from mimoc.schema.plugins import register as register
     from mimoc.studies.bench.running import run_bench as run_bench, verify_bench as verify_bench
-    from mimoc.studies.cohorts import Cohort as Cohort, read_cohort as read_cohort
-    from mimoc.studies.experiments import run_experiment as run_experiment
-    from mimoc.studies.milestones import validate_milestones as validate_milestones
-    from mimoc.studies.movement import validate_movement as validate_movement
+    from mimoc.studies.cohorts.cohort import Cohort as Cohort, read_cohort as read_cohort
+    from mimoc.studies.experiment import run_experiment as run_experiment
+    from mimoc.studies.milestones.report import validate_milestones as validate_milestones
+    from mimoc.studies.movement.report import validate_movement as validate_movement
     from mimoc.studies.reporting import report as report
     from mimoc.training import evaluate as evaluate, train as train
-    from mimoc.training.loading import load_policy as load_policy
+    from mimoc.training.evaluation import load_policy as load_policy
     from mimoc.training.opening import (
         rsl_rl_env as rsl_rl_env,
         sb3_vec_env as sb3_vec_env,

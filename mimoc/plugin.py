@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 from mimoc.base.lazy import names_of
 
 if TYPE_CHECKING:
-    from mimoc.anatomy.dimensions import BodyGeometry as BodyGeometry, GeomShape as GeomShape
     from mimoc.anatomy.part import (
+        BodyGeometry as BodyGeometry,
+        GeomShape as GeomShape,
         PartKind as PartKind,
         ReferenceGeom as ReferenceGeom,
         ReferenceJoint as ReferenceJoint,
@@ -35,21 +36,24 @@ if TYPE_CHECKING:
         BuiltObject as BuiltObject,
         Surroundings as Surroundings,
         object_name as object_name,
+        solid as solid,
     )
-    from mimoc.compiler.objects.pieces import solid as solid
-    from mimoc.compiler.scenes.built_scene import SUN as SUN, BuiltScene as BuiltScene
+    from mimoc.compiler.scenes import SUN as SUN, BuiltScene as BuiltScene
     from mimoc.compiler.task_setup import TaskSetup as TaskSetup
-    from mimoc.motion.options import ReadOptions as ReadOptions
-    from mimoc.motion.point_recording import Camera as Camera, PointRecording as PointRecording
+    from mimoc.motion.point_recording import (
+        Camera as Camera,
+        PointRecording as PointRecording,
+        ReadOptions as ReadOptions,
+    )
     from mimoc.runtime.actuation import Actuation as Actuation, effort_of as effort_of
-    from mimoc.runtime.custom_sense import TermSense as TermSense
+    from mimoc.runtime.contract import check_term as check_term
     from mimoc.runtime.filter import Filter as Filter, Lags as Lags
     from mimoc.runtime.judgement import Change as Change, Judgement as Judgement, Verdict as Verdict
-    from mimoc.runtime.noise.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
+    from mimoc.runtime.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
     from mimoc.runtime.sense import Sense as Sense, Vector as Vector
+    from mimoc.runtime.senses import TermSense as TermSense
     from mimoc.runtime.task import Task as Task
     from mimoc.runtime.term import Concatenated as Concatenated, Field as Field, Term as Term
-    from mimoc.runtime.term_contract import check_term as check_term
     from mimoc.runtime.worlds import Worlds as Worlds
     from mimoc.schema.base import Model as Entry, Model as Spec
     from mimoc.schema.kinds import (
@@ -65,8 +69,8 @@ if TYPE_CHECKING:
         TaskKind as TaskKind,
         ToySource as ToySource,
     )
-    from mimoc.schema.object_base import ObjectSpec as ObjectSpec
+    from mimoc.schema.objects import ObjectSpec as ObjectSpec
     from mimoc.schema.plugins import register as register
-    from mimoc.schema.task_base import TaskEntry as TaskEntry, TaskSpec as TaskSpec
+    from mimoc.schema.task import TaskEntry as TaskEntry, TaskSpec as TaskSpec
 
 __getattr__, __dir__, __all__ = names_of(__name__)

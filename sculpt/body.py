@@ -14,8 +14,7 @@ from fields import Array
 from mimoc.body.kinematics import Frame
 
 LOW, HIGH = np.array((-80.0, -280.0, -300.0)), np.array((270.0, 280.0, 320.0))
-TOP = 308.0
-"""Above this height the neck is in the head."""
+TOP = 308.0  # Above this height the neck is in the head.
 SIZES = {
     "hand": 4.9,
     "lfmetacarpal": 4.6,
@@ -30,11 +29,9 @@ SIZES = {
     "lower_leg": 10.0,
     **dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), 12.5),
 }
-FINGER_SIZE = 3.3
-"""Lengths of edges, by body."""
+FINGER_SIZE = 3.3  # Lengths of edges, by body.
 SEPARATE = {"hand": 5.3, "lfmetacarpal": 4.9, "thbase": 4.8, "toes": 4.3, "big_toe": 4.5, "foot": 6.8}
-SEPARATE_FINGER_SIZE = 3.7
-"""The same of hands with five fingers, which have more bodies for a file to name."""
+SEPARATE_FINGER_SIZE = 3.7  # The same of hands with five fingers, which have more bodies for a file to name.
 
 
 def mesh(

@@ -6,8 +6,7 @@ import numpy as np
 from fields import Array, Field
 from meshing import gradient, largest, without_slivers
 
-SLIVER = 0.22
-"""Edges shorter than this share of the usual ones are drawn together."""
+SLIVER = 0.22  # Edges shorter than this share of the usual ones are drawn together.
 
 
 def hemmed(

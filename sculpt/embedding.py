@@ -10,8 +10,7 @@ import numpy as np
 from fields import Array, Field
 from meshing import edges_of, gradient, only, without_fins
 
-SNAPPED = 0.34
-"""A vertex that is within this share of its edges' length of a curve moves onto it."""
+SNAPPED = 0.34  # A vertex that is within this share of its edges' length of a curve moves onto it.
 SHORT, ROUNDS = 0.55, 6
 """Edges shorter than this share of the wanted length are drawn together; how often the mesh is made even."""
 
@@ -26,8 +25,7 @@ class Curve:
     """Whether points may be near it: elsewhere its zeros do not count."""
 
 
-PLANE = Curve(lambda p: p[:, 1], lambda p: np.ones(len(p), bool))
-"""The plane of symmetry."""
+PLANE = Curve(lambda p: p[:, 1], lambda p: np.ones(len(p), bool))  # The plane of symmetry.
 
 
 @dataclass(frozen=True)

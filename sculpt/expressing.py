@@ -7,7 +7,7 @@ import numpy as np
 from faces import MESHED, SHAPES
 from fields import Array
 
-from mimoc.base.geometry.smoothstep import smoothstep
+from mimoc.base.geometry.solvers import smoothstep
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +76,7 @@ EXPRESSED = {
 """Expression by name."""
 
 
-LEAST_MM = 0.12
-"""Smaller moves are left out."""
+LEAST_MM = 0.12  # Smaller moves are left out.
 
 
 def moved(mesh, face: Moved) -> Array:

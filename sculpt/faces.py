@@ -130,5 +130,4 @@ SHAPES = {
     ),
 }
 """Shape by age in months."""
-MESHED = 6
-"""The age whose surface becomes the mesh, which the others share."""
+MESHED = 6  # The age whose surface becomes the mesh, which the others share.

@@ -12,10 +12,8 @@ from fields import Array
 from mimoc.body.kinematics import Frame
 
 AGES_MONTHS = (0.0, 3.0, 6.0, 12.0, 24.0)
-Heights = tuple[float, float, float, float, float]
-"""At each of these ages."""
-ROLLS: Heights = (0.3, 1.0, 1.0, 0.75, 0.12)
-"""How deep the creases of a fat infant are."""
+Heights = tuple[float, float, float, float, float]  # At each of these ages.
+ROLLS: Heights = (0.3, 1.0, 1.0, 0.75, 0.12)  # How deep the creases of a fat infant are.
 SOFT_MM = 3.5
 """How much farther than the rest of the skin a belly may be in the floor that it lies on: it would give way."""
 

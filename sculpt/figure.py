@@ -42,8 +42,7 @@ class Figure:
 
 BLENDS = {"trunk": 9.0, "seat": 22.0, "neck": 18.0, "girdle": 26.0}
 """How far the shapes of the trunk are blended with one another."""
-FINGERS = 0.9
-"""How far fingers are blended with one another: hardly, or they are webbed."""
+FINGERS = 0.9  # How far fingers are blended with one another: hardly, or they are webbed.
 
 
 def folded(p: Array) -> Array:
@@ -91,8 +90,7 @@ def build(frames: Mapping[str, Frame], hands: str) -> Figure:
     return Figure(solids, {name: origin * 1000 for name, (origin, _) in frames.items()})
 
 
-Shapes = Iterator[tuple[str, str, Field]]
-"""Body, group and shape in the frame of the body."""
+Shapes = Iterator[tuple[str, str, Field]]  # Body, group and shape in the frame of the body.
 
 
 def _trunk() -> Shapes:

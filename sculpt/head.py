@@ -21,12 +21,9 @@ class Head:
     eye_radius: float
 
 
-LID = 1.10
-"""Radius of the lids over that of the eyeball."""
-MOUTH_HALF = 15.5
-"""Distance of a corner of the mouth from the midline."""
-CORNER_IN = 1.0
-"""How far inside of it the lips part."""
+LID = 1.10  # Radius of the lids over that of the eyeball.
+MOUTH_HALF = 15.5  # Distance of a corner of the mouth from the midline.
+CORNER_IN = 1.0  # How far inside of it the lips part.
 
 
 def folded(p: Array) -> Array:

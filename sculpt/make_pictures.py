@@ -1,21 +1,19 @@
-"""Paint the pictures that ship with mimoc: `python sculpt/make_pictures.py`, or `make pictures`."""
+"""Paint the pictures that ship with mimoc: `python sculpt/make_pictures.py`, or `.ci/task pictures`."""
 
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from pictures import adult, ceilings, cloth, cubes, face, floors, framed, hair, skin, walls
+from pictures import adult, cloth, cubes, face, floors, framed, walls
 from pictures.inks import Painted, with_palette
 
-from mimoc.compiler.looks.colours import INKS, MIXTURES
-from mimoc.compiler.looks.pictures import FOLDER, encode_palette_png
+from mimoc.compiler.looks.pictures import FOLDER, INKS, MIXTURES, encode_palette_png
 from mimoc.compiler.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS
-from mimoc.schema.expressions import ADULT_EXPRESSIONS, EXPRESSIONS
+from mimoc.schema.body import ADULT_EXPRESSIONS, EXPRESSIONS
 
 HEAD_BREADTH = 0.863
 """Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
 (AnthroKids)."""
-CUBE_COLOURS = 96
-"""Of a texture of a solid."""
+CUBE_COLOURS = 96  # Of a texture of a solid.
 
 
 def main() -> None:
@@ -37,7 +35,7 @@ def write_mixtures(mixtures: Mapping[str, np.ndarray]) -> None:
 
 def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     """Yield the name of each picture, and its PNG or, if its colours are a spec's, what it was painted with."""
-    for table, module in ((FLOORS, floors), (CEILINGS, ceilings), (WALLS, walls), (PICTURES, framed)):
+    for table, module in ((FLOORS, floors), (CEILINGS, floors), (WALLS, walls), (PICTURES, framed)):
         for name, wallpaper in table.items():
             yield wallpaper.name, encode_palette_png(getattr(module, name)())
     for name in EXPRESSIONS:
@@ -49,8 +47,8 @@ def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     yield "eye", with_palette(cubes.draw_eye(), CUBE_COLOURS)
     yield "ear", with_palette(cubes.draw_ear(), CUBE_COLOURS)
     yield "stripes", with_palette(cubes.draw_stripes(), CUBE_COLOURS)
-    yield "skin_body", skin.paint_skin()
-    yield "skin_hair", hair.paint_hair()
+    yield "skin_body", cloth.paint_skin()
+    yield "skin_hair", cloth.paint_hair()
     yield "skin_shirt", cloth.paint_top()
     yield "skin_trousers", cloth.paint_bottom()
 

@@ -1,4 +1,4 @@
-"""Make the skins that ship with mimoc: `python sculpt/make_skin.py`, or `make skin`. It needs scikit-image."""
+"""Make the skins that ship with mimoc: `python sculpt/make_skin.py`, or `.ci/task skin`. It needs scikit-image."""
 
 import argparse
 from collections.abc import Mapping
@@ -8,7 +8,6 @@ import body
 import features
 import figure
 import numpy as np
-import resting
 import shading
 import stretching
 import tailoring
@@ -18,8 +17,8 @@ from fields import Array
 from make_head import sculpt_head
 
 from mimoc.base.geometry.arrays import read_arrays, together
-from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import Frame, frames, pose
+from mimoc.body.surface import head_radius
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.compiler.looks.skin.deformation import boxes
@@ -29,8 +28,7 @@ from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0
 SIDES = ("left", "right")
-SPREAD_DEG = 14.0
-"""How far the fingers are spread, so that they are not meshed as one."""
+SPREAD_DEG = 14.0  # How far the fingers are spread, so that they are not meshed as one.
 ANGLES_DEG = {
     "shoulder_ad_ab": 50,
     "shoulder_horizontal": 25,
@@ -54,13 +52,11 @@ ANGLES_DEG = {
     "lf_side": -SPREAD_DEG,
 }
 """The pose that the skin is bound in: near the middle of the joints' ranges, with limbs clear of each other, [deg]."""
-TOES_DEG = {"big_toe": 28, "toes": -12}
-"""Where a big toe moves on its own, it is apart from the others."""
+TOES_DEG = {"big_toe": 28, "toes": -12}  # Where a big toe moves on its own, it is apart from the others.
 SEED = 16
 ROUNDS, PRESSED = 16, 3
 """How often the skin is pressed onto the floor and its weights are eased, at most, and after how often it is flat."""
-ENOUGH = 2.25
-"""Stretch that is small enough to stop."""
+ENOUGH = 2.25  # Stretch that is small enough to stop.
 
 
 def main() -> None:
@@ -111,7 +107,7 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     for number in range(ROUNDS):
         arrays = together(fixed, _shape(tree, angles, drawn.verts), _moving(held), tailoring.arrays(cut))
         skin = assembled(arrays, head)
-        pressed, room_mm = resting.pressed(skin, hands, features.softness(drawn.verts, placed))
+        pressed, room_mm = stretching.pressed(skin, hands, features.softness(drawn.verts, placed))
         fixed["fullness_100um"] = arrays["fullness_100um"] = pressed
         cut = tailoring.thinned(cut, room_mm)
         edges, stretch = stretching.stretches(skin, hands)

@@ -1,20 +1,18 @@
-"""Make the toys that ship with mimoc: `python sculpt/make_toys.py`, or `make toys`."""
+"""Make the toys that ship with mimoc: `python sculpt/make_toys.py`, or `.ci/task toys`."""
 
 import json
 
-from toys import animals, fruit, household, playthings, sea_animals, sweets, vehicles
+from toys import animals, food, household, playthings, vehicles
 
 from mimoc.bundle.arrays import Array, pack_arrays
 from mimoc.compiler.toys.shape import ToyModel
 from mimoc.components.toys.builtin import FIGURES, MESHES
 
 TOYS = {
-    animals: "bunny chicken elephant pig",
-    fruit: "apple banana mushroom pear",
+    animals: "bunny chicken elephant fish octopus penguin pig whale",
+    food: "apple banana cookie cupcake donut hamburger ice_cream mushroom pear",
     household: "bottle bowl chair cup hat mug sofa",
     playthings: "ball chess_piece drum hammer key robot",
-    sea_animals: "fish octopus penguin whale",
-    sweets: "cookie cupcake donut hamburger ice_cream",
     vehicles: "airplane boat bus car tractor train truck",
 }
 """Names of the functions of each module that return a toy: the toys, each of which belongs to a category of Toys4K."""

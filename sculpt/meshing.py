@@ -7,8 +7,7 @@ from fields import Array, Field
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-BLOCK = 8
-"""Cells of an edge of the blocks that a volume is sampled in."""
+BLOCK = 8  # Cells of an edge of the blocks that a volume is sampled in.
 
 
 def surface(field: Field, low: Array, high: Array, step: float, mirrored: bool = True) -> tuple[Array, np.ndarray]:

@@ -7,8 +7,7 @@ import numpy as np
 from cutting import typical_edge
 from fields import Array
 
-Line = Callable[[Array], Array]
-"""About the height above the line on which the lips meet, of points near it."""
+Line = Callable[[Array], Array]  # About the height above the line on which the lips meet, of points near it.
 POCKET = ((1.0, 0.0), (0.85, 5.0), (0.5, 9.0))
 """Rings of the pocket: their size by that of the slit's inner edge, and how far behind it they are."""
 PATCH = (0.068, 0.062)

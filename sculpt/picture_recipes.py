@@ -18,16 +18,14 @@ from PIL import Image, ImageDraw, ImageFont
 from mimoc import InfantEnv, load_spec, make
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.soft_light import STILL
-from mimoc.schema.expressions import EXPRESSIONS
+from mimoc.schema.body import EXPRESSIONS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
 """WebGL without a graphics card."""
 POLLED_MS, SETTLED_MS = 100, 3000
-OFFERED_STEPS = 320
-"""Control steps until the ball is offered."""
-FLOATING_STEPS = 400
-"""Control steps until an infant that starts on the bottom of a bath floats."""
+OFFERED_STEPS = 320  # Control steps until the ball is offered.
+FLOATING_STEPS = 400  # Control steps until an infant that starts on the bottom of a bath floats.
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
 LOOKS = (
@@ -82,8 +80,7 @@ def spec(mimoc: Commands, name: str, age_months: float, **sections: Any) -> Path
     return path
 
 
-Size = tuple[int, int]
-"""Width and height in pixels."""
+Size = tuple[int, int]  # Width and height in pixels.
 
 
 def drawn(mimoc: Commands, *arguments: str | Path, size: Size | None = (640, 480), by: str = "render") -> Image.Image:

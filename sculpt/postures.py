@@ -37,11 +37,9 @@ MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 SECONDS, ROUNDS = 3.0, 12
 STILL_M, STILL_SITTING_M = 0.001, 0.003
 """Hands and feet that move by less rest; hands creep on the thighs of a sitting infant."""
-HELD_KGM2 = 1e6
-"""Armature of joints that are held."""
+HELD_KGM2 = 1e6  # Armature of joints that are held.
 
-Angles = dict[str, float]
-"""Degrees by joint; `{side}` stands for both sides."""
+Angles = dict[str, float]  # Degrees by joint; `{side}` stands for both sides.
 LAP: Mapping[str, Angles] = {
     hands: dict(zip((f"{{side}}_{joint}" for joint in ARM), arm_deg, strict=True))
     for hands, arm_deg in {"mitten": (15, 5, -15, -90), "five_finger": (30, 5, 30, -115)}.items()
@@ -54,8 +52,7 @@ PUBLISHED_LAP: Mapping[str, Angles] = {
 """Likewise of the published body, whose arms are nearer to the midline: from the lap its hands would slide."""
 SLUMPED_ELBOW_DEG = -12.0
 """How much arms are lifted before an infant slumps farther than at the age before: they fall onto its thighs."""
-FINGERS = "{side}_fingers"
-"""The joint of a mitten's fingers."""
+FINGERS = "{side}_fingers"  # The joint of a mitten's fingers.
 FIST_DEG = -145.0
 """How far newborns close their mittens before they sit, as they do on their backs; young infants, likewise less."""
 SITTING_LIFT_DEG = {"{side}_elbow": -1.5}
@@ -82,8 +79,7 @@ def first_deg(name: str, development: str, hands: str) -> Angles:
     return {}
 
 
-Kind = tuple[str, str, bool, str]
-"""Law, hands, whether the chest has joints, and pose."""
+Kind = tuple[str, str, bool, str]  # Law, hands, whether the chest has joints, and pose.
 ROWS = ["development", "hands", "chest_joint", "pose", "joint"]
 
 

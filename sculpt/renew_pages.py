@@ -7,16 +7,14 @@ import argparse
 import re
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 
 from mimoc.studies.bodies import bodies_digest
-from mimoc.studies.experiments import EXPERIMENTS, run_experiment
+from mimoc.studies.experiment import find_experiment, run_experiment
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 PAGES = sorted(CHECKOUT.glob("docs/experiments/*/*.md"))
-SHORT = ("growth", "strength", "acuity", "inverse", "rooms")
-"""Experiments that take seconds."""
+SHORT = ("growth", "strength", "acuity", "inverse", "rooms")  # Experiments that take seconds.
 COMMAND = re.compile(r"^    mimoc experiment (\w+) -o \w+(?: --development (\w+))?$", re.MULTILINE)
 BODIES = re.compile(r"Bodies:\s`(\w+)`\.")
 EARLIER = (
@@ -45,7 +43,7 @@ class Page:
     @cached_property
     def todays(self) -> str:
         """Digest of the bodies that the experiment has now."""
-        return bodies_digest(import_module(EXPERIMENTS[self.name]).infants(self.law))
+        return bodies_digest(find_experiment(self.name).infants(self.law))
 
     @property
     def name(self) -> str:
@@ -77,7 +75,8 @@ class Page:
             return ""
         page = self.path.relative_to(CHECKOUT)
         return (
-            f"{page}: of the bodies {self.bodies}, today's are {self.todays}; run 'make experiments', or {self.command}"
+            f"{page}: of the bodies {self.bodies}, today's are {self.todays}; "
+            f"run '.ci/task experiments', or {self.command}"
         )
 
 

@@ -9,10 +9,8 @@ from pictures.cloth import BANDS, PLACES, shade_of
 from tailoring import GARMENTS, Cut
 from weights import owners
 
-STRIPE_MM = 26.0
-"""Breadth of a light and a dark stripe of the shirt together."""
-REACH_MM = (1.5, 3.0, 6.0, 11.0)
-"""Distances from the surface at which it is asked how much of the space is filled."""
+STRIPE_MM = 26.0  # Breadth of a light and a dark stripe of the shirt together.
+REACH_MM = (1.5, 3.0, 6.0, 11.0)  # Distances from the surface at which it is asked how much of the space is filled.
 
 
 def texcoords(drawn: Drawn, figure: Figure, cut: Cut, hanging_mm: Array) -> dict[str, np.ndarray]:

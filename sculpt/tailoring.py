@@ -11,16 +11,13 @@ from scipy.sparse.csgraph import connected_components
 
 from mimoc.body.kinematics import Frame
 
-SLEEVE, LEG = 0.66, 0.84
-"""Where sleeves and legs end, as shares of upper arm and thigh."""
+SLEEVE, LEG = 0.66, 0.84  # Where sleeves and legs end, as shares of upper arm and thigh.
 SHIRT_HEM, WAIST, TILT = 5.0, 33.0, 0.06
 """Heights of the shirt's hem and of the waist of trousers and nappy above the hip, and how much these fall forwards."""
-NECK, NECKLINE = (2.0, 0.0, 268.0), 40.0
-"""Middle and radius of the neckline, a ball that is flatter from side to side."""
+NECK, NECKLINE = (2.0, 0.0, 268.0), 40.0  # Middle and radius of the neckline, a ball that is flatter from side to side.
 GROIN, INWARDS, AHEAD = 33.0, 0.12, 0.33
 """Where legs come out of a bodysuit: so far down the bent thigh, and farther on its inner side and ahead."""
-CROTCH = 17.0
-"""Half of the breadth of cloth between the legs."""
+CROTCH = 17.0  # Half of the breadth of cloth between the legs.
 
 
 def hems(frames: Mapping[str, Frame]) -> dict[str, Curve]:
@@ -84,8 +81,7 @@ GARMENTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 """The panels of each garment, and the hems that it ends at."""
 LIFTS = {"bodysuit": (1.5, 2.2), "shirt": (3.4, 2.8), "trousers": (2.4, 2.2), "nappy": (2.0, 8.0)}
 """How high each is above the skin at its hems, and far from them."""
-FAR = 30.0
-"""Distance from hems at which it is that high."""
+FAR = 30.0  # Distance from hems at which it is that high.
 
 
 @dataclass(frozen=True)
@@ -144,8 +140,7 @@ def _distance(drawn: Drawn, at: np.ndarray) -> Array:
     return np.array([np.linalg.norm(points - vert, axis=1).min() for vert in drawn.verts])
 
 
-LEAST = 0.8
-"""Thickness of cloth that is pressed onto the floor."""
+LEAST = 0.8  # Thickness of cloth that is pressed onto the floor.
 
 
 def thinned(cut: Cut, room_mm: Array) -> Cut:

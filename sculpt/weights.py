@@ -10,13 +10,11 @@ from meshing import edges_of
 from scipy.sparse import coo_matrix, diags, eye
 from scipy.sparse.linalg import splu
 
-from mimoc.base.geometry.smoothstep import smoothstep
+from mimoc.base.geometry.solvers import smoothstep
 from mimoc.body.kinematics import Frame
 
-BONES = 4
-"""Bodies that move a vertex, at most."""
-LEAST = 0.022
-"""Smaller weights are left out."""
+BONES = 4  # Bodies that move a vertex, at most.
+LEAST = 0.022  # Smaller weights are left out.
 SPREAD = {
     "upper_arm": 26.0,
     "lower_arm": 13.0,

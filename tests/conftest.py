@@ -26,8 +26,7 @@ except Exception as error:
     pytest.exit(problem_of_loading_mujoco(error) or f"MuJoCo cannot be imported: {error!r}", returncode=2)
 
 from support import store
-from support.extras import needs_extras
-from support.full import full_but
+from support.full import full_but, needs_extras
 
 import mimoc
 
@@ -35,10 +34,8 @@ pytest_plugins = [
     "support.commands",
     "support.cpu_times",
     "support.drawing",
-    "support.driven",
     "support.registering",
     "support.running",
-    "support.scheduling",
 ]
 
 settings.register_profile("mimoc", deadline=None, derandomize=True)
@@ -46,13 +43,11 @@ settings.load_profile("mimoc")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Open the store of what is built, in the process that starts the others."""
     if not hasattr(config, "workerinput"):
         store.open_folder()
 
 
-LEFT_OUT = "full", "extras"
-"""Marks of tests that run only if they are asked for by `-m`, as `make test-all` does."""
+LEFT_OUT = "full", "extras"  # Marks of tests that run only if they are asked for by `-m`, as `make test-all` does.
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
@@ -62,7 +57,6 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is marked `full` or `extras`, unless it is asked for."""
     asked = config.getoption("markexpr")
     marks = [mark for mark in LEFT_OUT if mark not in asked]
     for item in items:
@@ -75,12 +69,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for item in items if item not in left_out]
 
 
-CASES = 3
-"""Cases of a test that `make test` runs: the first, the one in the middle and the last."""
+CASES = 3  # Cases of a test that `make test` runs: the first, the one in the middle and the last.
 
 
 def _mark_most_cases_full(items: list[pytest.Item]) -> None:
-    """Mark all but a few cases of each test with more of them as `full`."""
     tests: dict[str, list[pytest.Item]] = {}
     for item in items:
         if not any(map(item.get_closest_marker, LEFT_OUT)):
@@ -100,9 +92,25 @@ def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
-    """Remove it there."""
     if not hasattr(config, "workerinput"):
         store.remove_folder()
+
+
+TOGETHER = ("tests/runtime/device/",)
+"""Folders whose tests run in one worker, so that kernels are compiled once where nothing is cached yet."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log):
+    if config.getvalue("dist") != "loadfile":
+        return None
+    from xdist.scheduler.loadfile import LoadFileScheduling
+
+    class ByFileOrFolder(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return next((folder for folder in TOGETHER if nodeid.startswith(folder)), super()._split_scope(nodeid))
+
+    return ByFileOrFolder(config, log)
 
 
 SENSES = {"proprioception": {}, "vestibular": {}}
@@ -112,8 +120,7 @@ FEW_AGES_MONTHS = (*AGES_MONTHS[:7], 3, 6, 12, 24)
 """The same at first, when feet become lower while children grow, and then few."""
 BODIES = {"mitten": ("mitten", False), "five_finger": ("five_finger", True)}
 """Hands and chest joint: between them, everything a body can have."""
-CHEST = "robot:chest_"
-"""How the joints begin that a body with a rigid chest does not have."""
+CHEST = "robot:chest_"  # How the joints begin that a body with a rigid chest does not have.
 CHECKOUT = Path(__file__).resolve().parents[1]
 REFERENCE = CHECKOUT / "tests" / "reference"
 
@@ -187,7 +194,6 @@ def bundle_at() -> Callable[..., mimoc.Bundle]:
 
 @pytest.fixture(scope="session")
 def infant_at() -> Callable[..., Infant]:
-    """Return the compiled average child of an age, its hands and its chest joint."""
     return _infant
 
 
@@ -223,7 +229,6 @@ def model(hands_and_chest) -> mujoco.MjModel:
 
 @pytest.fixture(scope="session")
 def published(reference, hands_and_chest) -> Callable[[str], list[dict[str, str]]]:
-    """Return a table of the published body that is to be found in `model`."""
     return lambda table: reference(table, *hands_and_chest)
 
 

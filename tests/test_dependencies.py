@@ -13,28 +13,20 @@ import mimoc
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-TOOLS = {"test", "pages", "docs", "dev"}
-"""What mimoc itself does not import."""
+TOOLS = {"test", "pages", "docs", "dev"}  # What mimoc itself does not import.
 EXTRAS = {name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in TOOLS}
-MODULES = {
+MODULES = {  # What a distribution is imported as, where that is not its name.
     "pyyaml": "yaml",
     "pillow": "PIL",
     "stable-baselines3": "stable_baselines3",
     "warp-lang": "warp",
     "rsl-rl-lib": "rsl_rl",
 }
-"""What a distribution is imported as, where that is not its name."""
-BROUGHT_ALONG = {
-    "torch": "stable-baselines3",
-    "pydantic_core": "pydantic",
-    "glfw": "mujoco",
-    "websockets": "viser",
-}
+BROUGHT_ALONG = {"torch": "stable-baselines3", "pydantic_core": "pydantic", "glfw": "mujoco", "websockets": "viser"}
 """What is imported without being asked for, and what needs it."""
 
 
 def modules(needs: list[str]) -> set[str]:
-    """Return what the requirements of a project are imported as."""
     names = [re.split(r"[\s<>=!~;\[]", need, maxsplit=1)[0] for need in needs]
     return {MODULES.get(name, name.replace("-", "_")) for name in names}
 

@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -12,20 +13,20 @@ import pytest
 import yaml
 
 import mimoc
-from mimoc.schema.components.exporters import EXPORTERS
+from mimoc.anatomy.parts import PARTS
+from mimoc.schema.base import recompose
+from mimoc.schema.kinds import EXPORTERS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
 
 def blocks(page: str, language: str) -> list[str]:
-    """Return the blocks of a language on a page."""
     text = (CHECKOUT / page).read_text(encoding="utf-8")
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
 def here(tmp_path, monkeypatch) -> Path:
-    """Return a working directory with the configs of the checkout."""
     (tmp_path / "configs").symlink_to(CHECKOUT / "configs")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -42,11 +43,20 @@ def test_the_commands_for_code_written_for_mimo_work(here, invoke):
 
 
 def test_the_program_that_runs_an_experiment_works(here):
-    """The quickest experiment stands in for the one that is printed."""
-    (program,) = blocks("docs/experiments/README.md", "python")
+    _, program = blocks("docs/experiments/README.md", "python")
     assert '"strength"' in program
     exec(program.replace("strength", "growth"), {})
     assert any((here / "out" / "growth").glob("*.md"))
+
+
+def test_the_experiment_of_ones_own_works(here, invoke, monkeypatch):
+    own, _ = blocks("docs/experiments/README.md", "python")
+    (here / "own.py").write_text(own)
+    monkeypatch.syspath_prepend(here)
+    monkeypatch.delitem(sys.modules, "own", raising=False)  # Other tests have modules of this name.
+    assert invoke("experiment", "own.py", "-o", "out/hands", "--quick") == (0, "out/hands/hands.md\n", "")
+    assert len(own.splitlines()) <= 80
+    assert "| no verdict | this page (assumption) |" in (here / "out" / "hands" / "hands.md").read_text()
 
 
 @pytest.mark.extras
@@ -94,7 +104,6 @@ def test_the_program_on_reports_works(here, capsys):
 
 @pytest.mark.slow
 def test_the_programs_on_cohorts_work(here, capsys):
-    """With a smaller cohort than the one that is printed."""
     whole = (CHECKOUT / "examples" / "cohort" / "spring.yaml").read_text(encoding="utf-8")
     folder = here / "examples" / "cohort"
     folder.mkdir(parents=True)
@@ -118,22 +127,19 @@ def test_the_commands_on_cohorts_and_its_file_are_right(invoke, here):
 def test_every_file_that_a_page_links_to_exists():
     pages = [CHECKOUT / "README.md", CHECKOUT / "CONTRIBUTING.md", *(CHECKOUT / "docs").rglob("*.md")]
     pages += (CHECKOUT / "examples").rglob("*.md")
-    links = [
-        (page, link) for page in pages for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))
-    ]
+    texts = {page: re.sub(r"(?ms)^```.*?^```", "", page.read_text(encoding="utf-8")) for page in pages}
+    links = [(page, link) for page, text in texts.items() for link in re.findall(r"\]\(([^)#:]+)\)", text)]
     assert len(links) > 20
     assert [(page.name, link) for page, link in links if not (page.parent / link).exists()] == []
 
 
 def test_every_page_says_something_where_no_site_is_built():
-    """Also those whose text the site takes from elsewhere, as on a host of code."""
     pages = {path: path.read_text(encoding="utf-8") for path in (CHECKOUT / "docs").rglob("*.md")}
     prose = {path: re.sub(r"(?ms)^```.*?^```|^#.*?$", "", text) for path, text in pages.items()}
     assert [path.name for path, text in prose.items() if len(text.strip()) < 80] == []
 
 
 def test_no_temporary_file_is_kept():
-    """Only in the folders of the repository: whatever runs elsewhere may be writing one."""
     folders = [CHECKOUT / name for name in ("benchmarks", "configs", "data", "docs", "examples", "mimoc", "tests")]
     assert [path for folder in folders for path in folder.rglob("*.tmp")] == []
     assert [path for folder in folders for path in folder.rglob(".mimoc-*")] == []
@@ -149,7 +155,9 @@ def test_pages_that_build_in_the_same_folder_can_be_read_in_any_order():
 
 
 def test_every_module_that_contributing_names_exists():
-    named = re.findall(r"`(mimoc/[a-z0-9_/]+(?:\.py|/))`", (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+    pages = (CHECKOUT / "CONTRIBUTING.md", CHECKOUT / "docs" / "recipes.md")
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
+    named = re.findall(r"`(mimoc/[a-z0-9_/]+(?:\.py|/))`", text)
     assert len(named) > 20
     assert [name for name in named if not (CHECKOUT / name).exists()] == []
 
@@ -174,3 +182,20 @@ def test_the_changelog_has_each_change_under_a_release():
     headings = re.findall(r"(?m)^## (.*)$", (CHECKOUT / "CHANGELOG.md").read_text(encoding="utf-8"))
     assert headings
     assert [text for text in headings if not re.fullmatch(r"Unreleased|\d+\.\d+\.\d+", text)] == []
+
+
+def test_the_tail_of_the_page_on_own_parts_grows_moves_and_feels(monkeypatch, capsys):
+    monkeypatch.chdir(CHECKOUT)
+    (program,) = blocks("docs/own_part.md", "python")
+    names: dict[str, object] = {}
+    try:
+        exec(program, names)
+        env = names["env"]
+        assert isinstance(env.unwrapped, mimoc.InfantEnv)
+        assert float(capsys.readouterr().out.strip("[]\n")) < 0.05
+        assert "robot:tail angle [rad]" in env.unwrapped.layout("proprioception")
+        assert env.unwrapped.model.actuator("act:tail").gear[0] < 0.8
+        env.close()
+    finally:
+        PARTS.remove("tail")
+        recompose()

@@ -33,7 +33,6 @@ BESIDES = (InfantSpec.with_, SpecError, ReadRecording, Curve)
 
 
 def examples() -> Iterator[doctest.DocTest]:
-    """Yield the examples of each docstring of mimoc that has some."""
     finder = doctest.DocTestFinder(exclude_empty=True)
     for path in sorted(PACKAGE.rglob("*.py")):
         if ">>> import" in path.read_text(encoding="utf-8"):

@@ -34,7 +34,6 @@ def env():
 
 
 def told(env) -> tuple:
-    """Return the seed and the toys that an environment's manifest tells of."""
     return env.unwrapped.manifest.seed, [toy.body for toy in env.unwrapped.manifest.toys]
 
 
@@ -120,7 +119,6 @@ def test_copies_can_be_given_other_scenes_too(env, copied):
 
 @pytest.mark.parametrize("scenes", full_but([6], [20]))
 def test_a_thousandth_scene_costs_no_more_than_the_second(env, scenes):
-    """Nothing is kept of former scenes."""
     for seed in range(scenes):
         env.reset(options={"scene_seed": seed})
     kept = len(pickle.dumps(env.unwrapped.bundle))
@@ -139,7 +137,6 @@ def test_environments_in_other_processes_have_scenes_of_their_own():
 
 
 def test_a_bundle_is_run_without_the_compiler(tmp_path):
-    """Neither the pipeline nor what it alone needs is imported."""
     folder = mimoc.write_bundle(mimoc.build(spec()), tmp_path / "out")
     code = (
         "import sys, mimoc; env = mimoc.make(sys.argv[1]); env.reset(); env.step(env.action_space.sample());"
@@ -202,7 +199,7 @@ def test_a_bundle_refuses_the_state_of_another_scene():
 
 
 class Regard(mimoc.Task):
-    """Regard a hand."""
+    """A task of a script."""
 
     def judge(self, data, action, effort):
         return 0.0
@@ -258,13 +255,6 @@ def test_a_file_of_a_bundle_is_no_bundle(function, file, bundle_at, tmp_path):
         function(folder / file)
 
 
-class Limited(mimoc.Task):
-    """A task of a script that limits episodes."""
-
-    def judge(self, data, action, effort):
-        return 0.0
-
-
 @pytest.mark.parametrize(
     ("make", "limit"),
     [
@@ -273,11 +263,11 @@ class Limited(mimoc.Task):
         (lambda bundle: gymnasium.make("mimoc/Reach-v0", max_episode_steps=7), 7),
         (lambda bundle: mimoc.make(bundle), None),
         (lambda bundle: mimoc.make(bundle, max_episode_steps=9), 9),
-        (lambda bundle: mimoc.make(bundle, task=Limited(steps=44)), 44),
-        (lambda bundle: mimoc.make(bundle, task=Limited()), None),
+        (lambda bundle: mimoc.make(bundle, task=Regard(steps=44)), 44),
+        (lambda bundle: mimoc.make(bundle, task=Regard()), None),
         (lambda bundle: gymnasium.make_vec("mimoc/Reach-v0", 2, max_episode_steps=5), 5),
         (lambda bundle: gymnasium.make_vec("mimoc/Reach-v0", 2), 1000),
-        (lambda bundle: pickle.loads(pickle.dumps(mimoc.make(bundle, task=Limited(steps=44)))), 44),
+        (lambda bundle: pickle.loads(pickle.dumps(mimoc.make(bundle, task=Regard(steps=44)))), 44),
     ],
 )
 def test_gymnasium_is_told_after_how_many_steps_episodes_are_truncated(bundle, make, limit):

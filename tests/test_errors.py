@@ -21,10 +21,8 @@ LIMBS = ["left_hand", "left_foot", "right_hand", "right_foot"]
 def test_a_problem_says_where_what_and_what_to_do():
     problem = Problem("specs/a.yaml", 3, 7, "body.hands", "'miten' is not a choice; did you mean 'mitten'?")
     assert str(problem) == "specs/a.yaml:3:7: body.hands: 'miten' is not a choice; did you mean 'mitten'?"
-
-
-def test_a_problem_of_the_whole_file_has_no_key():
     assert str(Problem("a.yaml", 1, 1, "", "the file is empty")) == "a.yaml:1:1: the file is empty"
+    assert str(UnknownNameError("limb", "tail", ["arm"])) == "'tail' is not a limb; choose from arm"
 
 
 def test_problems_come_once_each_in_the_order_of_the_file():
@@ -48,10 +46,6 @@ def test_the_nearest_name_is_suggested_and_else_all_are_listed(name, advice):
 def test_a_long_list_is_cut_short_and_says_so():
     advice = suggestion("zzz", [f"toy_{index:03}" for index in range(500)])
     assert advice.endswith("toy_039, ... (500 in all)")
-
-
-def test_a_name_is_refused_with_what_it_should_be():
-    assert str(UnknownNameError("limb", "tail", ["arm"])) == "'tail' is not a limb; choose from arm"
 
 
 def test_a_missing_extra_says_what_to_run():

@@ -6,7 +6,7 @@ from graphlib import TopologicalSorter
 import pytest
 from support.rooms import FILES, FLOOR_OF, Import, all_imports, arrows, imports, module_graph, room_of, runs_up
 
-HOMES = {
+HOMES = {  # The rooms that may import each library.
     "OpenGL": "render",
     "PIL": "compiler render movement recording studies viewer",
     "array_api_compat": "runtime",
@@ -43,7 +43,6 @@ HOMES = {
     "websockets": "viewer",
     "yaml": "schema",
 }
-"""The rooms that may import each library."""
 EVERYWHERE = {"mimoc", "numpy", *sys.stdlib_module_names}
 
 

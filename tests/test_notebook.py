@@ -15,7 +15,7 @@ from support import store
 
 import mimoc
 from mimoc.base.errors import RenderingError
-from mimoc.viewer.notebook import bundle_html
+from mimoc.viewer.formatters import bundle_html
 
 CONFIG = Path(__file__).parents[1] / "configs" / "individual.yaml"
 
@@ -56,7 +56,7 @@ def test_without_opengl_a_bundle_shows_its_measures(bundle, monkeypatch):
     def fail(*_):
         raise RenderingError("no OpenGL")
 
-    monkeypatch.setattr("mimoc.viewer.notebook.portrait", fail)
+    monkeypatch.setattr("mimoc.render.portrait.portrait", fail)
     shown = bundle_html(bundle)
     assert "<img" not in shown
     assert f"{bundle.manifest.child.weight_kg:.1f} kg" in shown

@@ -42,9 +42,6 @@ def test_the_version_is_that_of_the_installed_package():
     assert mimoc.__version__ == version("mimoc")
 
 
-# What is loaded when.
-
-
 def test_importing_mimoc_loads_nothing_heavy():
     assert python("import mimoc", f"print(json.dumps([m for m in {HEAVY} if m in sys.modules]))") == []
 
@@ -70,8 +67,6 @@ def test_running_a_bundle_loads_nothing_that_compiles(folder):
         loaded
     )
 
-
-# Gymnasium.
 
 MAKE = "env = gymnasium.make({name!r}, bundle={folder!r}); print(json.dumps(list(env.reset(seed=0)[0])))"
 

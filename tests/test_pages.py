@@ -21,60 +21,25 @@ from support.commands import Outcome
 from support.full import FULL
 
 import mimoc
-from mimoc.schema.composition import recompose
-from mimoc.schema.plugins import KINDS
+from mimoc.schema.base import recompose
+from mimoc.schema.plugins import GROUPS
 
 CHECKOUT = Path(__file__).resolve().parents[1]
-PAGES = (
-    "README.md",
-    "docs/tutorial.md",
-    "docs/for_researchers.md",
-    "docs/for_rl.md",
-    "docs/movement_data.md",
-    "docs/individuals.md",
-    "docs/muscles.md",
-    "docs/senses.md",
-    "docs/maturing_senses.md",
-    "docs/touch.md",
-    "docs/vision.md",
-    "docs/hearing.md",
-    "docs/delays.md",
-    "docs/lab_room.md",
-    "docs/own_toys.md",
-    "docs/objects.md",
-    "docs/caregiver.md",
-    "docs/tasks.md",
-    "docs/behaviours.md",
-    "docs/two_infants.md",
-    "docs/pictures.md",
-    "docs/inverse_dynamics.md",
-    "docs/training.md",
-    "docs/benchmark.md",
-    "docs/container.md",
-    "docs/own_reward.md",
-    "docs/own_measure.md",
-    "docs/reflexes.md",
-    "docs/plain_mujoco.md",
-    "docs/growth.md",
-    "docs/from_mimo.md",
-    "docs/filming.md",
-    "docs/movement_measures.md",
-    "docs/replay.md",
+GUIDES = (
+    "tutorial for_researchers for_rl movement_data individuals muscles senses maturing_senses touch "
+    "vision hearing delays lab_room own_toys objects caregiver tasks behaviours two_infants pictures "
+    "inverse_dynamics training benchmark container own_reward own_measure reflexes plain_mujoco growth "
+    "from_mimo filming movement_measures replay"
 )
-"""Those that are run here; test_docs.py has the others."""
-MARKS = {
-    "README.md": pytest.mark.slow,
-    "docs/tutorial.md": pytest.mark.slow,
-    "docs/two_infants.md": pytest.mark.slow,
-    "docs/objects.md": pytest.mark.slow,
-    "docs/pictures.md": FULL,
-    "docs/growth.md": FULL,
+PAGES = ("README.md", *(f"docs/{name}.md" for name in GUIDES.split()))  # test_docs.py runs the other pages.
+MARKS = {  # What takes long, and what only `make test-all` runs.
+    **dict.fromkeys(("README.md", "docs/tutorial.md", "docs/two_infants.md", "docs/objects.md"), pytest.mark.slow),
+    **dict.fromkeys(("docs/pictures.md", "docs/growth.md"), FULL),
 }
-"""What takes long, and what only `make test-all` runs."""
 PYTHON = shlex.quote(sys.executable)
 DEMO = "make demo --assume-old=.venv/.demo ROOMS=0:2"
 
-INSTEAD = {
+INSTEAD = {  # What stands in a block, as a pattern, and what is run instead: as little as can be.
     # What is installed here is taken as it is: of pip it is only asked whether it could install.
     r"\bpip install ": f"{PYTHON} -m pip install --quiet --dry-run --no-deps --no-build-isolation --no-index ",
     r"\bmake demo\b": f"{DEMO} --dry-run",
@@ -95,7 +60,6 @@ INSTEAD = {
     r"\bapptainer run (--nv )?\S+": "mimoc",
     r"\bapptainer exec \S+": "",
 }
-"""What stands in a block, as a pattern, and what is run instead: as little as can be."""
 
 PROGRAMS = {"sh", "python"}
 MISTAKEN = "mimoc: 1\nname: mine\nage_months: 99\nsenses: {}\nscene:\n  posse: sitting\n"
@@ -123,7 +87,6 @@ class Reader:
         """The page's first spec, of which those after it have some keys."""
 
     def follow(self, block: Block) -> None:
-        """Do what a block says."""
         text = block.text
         for pattern, instead in INSTEAD.items() if block.language in PROGRAMS else ():
             text = re.sub(pattern, instead, text)
@@ -157,7 +120,6 @@ class Reader:
         self.said += done.stdout
 
     def _python(self, text: str) -> None:
-        """Run a program that goes on from those before, as in one session."""
         with redirect_stdout(StringIO()) as printed:
             exec(compile(text, "page", "exec"), self._session)
         self.said += printed.getvalue()
@@ -177,13 +139,11 @@ class Reader:
         env.close()
 
     def _text(self, text: str) -> None:
-        """Look for each line among what was printed."""
         for line in text.splitlines():
             assert line in self.said
 
 
 def blocks(page: str) -> Iterator[Block]:
-    """Yield all of a page, from the top."""
     text = (CHECKOUT / page).read_text(encoding="utf-8")
     for found in re.finditer(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         yield Block(text.count("\n", 0, found.start()) + 2, *found.groups())
@@ -212,7 +172,7 @@ def reader(checkout, monkeypatch, invoke) -> Iterator[Reader]:
     found = Reader(checkout, invoke)
     found.said = invoke("build", "my_infant.yaml", "-o", "out/mine").err
     yield found
-    for _, table in KINDS.values():
+    for table in GROUPS.values():
         for name in [name for name in table if not table.distribution(name)]:
             table.remove(name)
     recompose()
@@ -235,7 +195,6 @@ def test_every_block_works_as_it_is_printed_one_after_the_other(reader, page):
 @FULL
 @pytest.mark.slow
 def test_make_demo_works(reader):
-    """README's own test only asks for what it would run."""
     reader._bash(DEMO)
     assert (reader.folder / "out/demo/nine_months/scene.xml").is_file()
 

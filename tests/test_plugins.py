@@ -16,10 +16,7 @@ from mimoc.base.errors import BundleError, KindError, SpecError
 from mimoc.bundle.io import digests
 from mimoc.components.senses.vestibular import VestibularEntry, VestibularSpec
 from mimoc.schema import plugins
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
+from mimoc.schema.kinds import SCENES, SENSES, TASKS, PolicyKind, SceneKind, SenseKind, TaskKind
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
@@ -30,11 +27,7 @@ def record(name: str = "echo") -> SenseKind:
 
 @pytest.fixture
 def spec_at():
-    """Return what gives the spec of an average child that feels its balance."""
     return lambda age_months: mimoc.InfantSpec(mimoc=1, name="a", age_months=age_months, senses={"vestibular": {}})
-
-
-# Records.
 
 
 @pytest.mark.parametrize("name", ["Echo", "1st", "two words", "", "a-b", "a.b"])
@@ -43,14 +36,11 @@ def test_a_name_that_is_no_key_is_refused(name):
         mimoc.register(record(name))
 
 
-def test_a_name_of_mimocs_own_is_refused():
-    with pytest.raises(KindError, match="there is a sense 'touch' already, from mimoc; choose another name"):
-        mimoc.register(record("touch"))
-
-
-def test_what_is_no_record_is_refused():
+def test_a_name_of_mimocs_own_and_what_is_no_record_are_refused():
     with pytest.raises(KindError, match="'touch' is no record of a kind; pass one of SenseKind, ActuationKind"):
         mimoc.register("touch")
+    with pytest.raises(KindError, match="there is a sense 'touch' already, from mimoc; choose another name"):
+        mimoc.register(record("touch"))
 
 
 class NoSpec:
@@ -87,11 +77,10 @@ def test_a_record_whose_module_does_not_exist_is_refused():
 
 
 def wrong_fields():
-    """Yield each field of each record with a value of the wrong type."""
-    for kind, table in plugins.KINDS.values():
+    for table in plugins.GROUPS.values():
         whole = next(iter(table.values()))
-        for field in dataclasses.fields(kind):
-            yield pytest.param(whole, field.name, object(), id=f"{kind.__name__}.{field.name}")
+        for field in dataclasses.fields(table.record):
+            yield pytest.param(whole, field.name, object(), id=f"{table.record.__name__}.{field.name}")
 
 
 @pytest.mark.parametrize(("whole", "name", "wrong"), [*wrong_fields()])
@@ -116,9 +105,6 @@ def test_a_registered_sense_is_in_the_spec_language_and_among_the_delays(registe
         SpecError, match=r"<a>: senses\.echo: unknown key; choose from hearing, pain, proprioception, touch"
     ):
         mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}})
-
-
-# Entry points.
 
 
 class Distribution:
@@ -174,15 +160,14 @@ USABLE = RECORD.format(build="mimoc.components.senses.vestibular.build")
 def senses(plugins: str | None, monkeypatch) -> tuple[list[str], str]:
     """Return the senses that a new process knows, and what it prints besides them."""
     monkeypatch.delenv("MIMOC_PLUGINS") if plugins is None else monkeypatch.setenv("MIMOC_PLUGINS", plugins)
-    program = "import mimoc; mimoc.InfantSpec; from mimoc.schema.components.senses import SENSES; print(*SENSES)"
+    program = "import mimoc; mimoc.InfantSpec; from mimoc.schema.kinds import SENSES; print(*SENSES)"
     process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     return process.stdout.split(), process.stderr
 
 
 @pytest.mark.full
 @pytest.mark.parametrize(
-    ("plugins", "is_known"),
-    [(None, True), ("none", False), ("", False), ("Mimoc_Foreign", True), ("numpy", False)],
+    ("plugins", "is_known"), [(None, True), ("none", False), ("", False), ("Mimoc_Foreign", True), ("numpy", False)]
 )
 def test_a_variable_names_the_plug_ins_that_are_used(plugins, is_known, foreign, monkeypatch):
     foreign(USABLE)
@@ -216,7 +201,6 @@ def test_a_bad_plug_in_costs_the_command_line_one_line(text, reason, foreign, mo
 @FULL
 @pytest.mark.slow
 def test_tests_do_not_see_what_others_have_installed(foreign, monkeypatch):
-    """Those of the keys of specs pass beside a plug-in that works and one that does not."""
     foreign(USABLE)
     foreign("import sys; sys.exit(3)", "broken", "noise")
     known, printed = senses(None, monkeypatch)
@@ -244,16 +228,12 @@ def test_a_plug_in_whose_module_fails_when_it_is_first_needed_is_one_error(tmp_p
         mimoc.build(mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}}))
 
 
-# Bundles of strangers.
-
-
 @pytest.fixture(scope="module")
 def folder(bundle_at, tmp_path_factory):
     return mimoc.write_bundle(bundle_at(9), tmp_path_factory.mktemp("bundles") / "infant")
 
 
 def resealed(folder, **changes):
-    """Change the manifest of a bundle, and its lock with it, as a stranger could."""
     manifest = json.loads((folder / "manifest.json").read_text())
     content = json.dumps({**manifest, **changes}).encode()
     (folder / "manifest.json").write_bytes(content)
@@ -265,7 +245,6 @@ def resealed(folder, **changes):
 
 @pytest.fixture
 def canary(tmp_path, monkeypatch):
-    """Return the name of a module that can be imported, and is not."""
     (tmp_path / "mimoc_canary.py").write_text("KIND = None\ndef bind(*_): ...\ndef build(*_): ...\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     yield "mimoc_canary"
@@ -307,9 +286,6 @@ def test_a_kind_of_the_same_name_from_elsewhere_does_not_count(bundle_at, tmp_pa
     folder = resealed(mimoc.write_bundle(bundle_at(9), tmp_path / "infant"), plugins={"senses.touch": "other"})
     with pytest.raises(BundleError, match="the sense 'touch' from the plug-in 'other', but here it comes from 'mimoc'"):
         mimoc.read_bundle(folder)
-
-
-# Objects instead of records.
 
 
 class Clock:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -16,58 +17,43 @@ from mimoc.base.errors import MissingExtraError
 SPEC = mimoc.InfantSpec(mimoc=1, name="kim", age_months=9, senses={"proprioception": {}})
 NONE = "no environment is given to it"
 
-USES: dict[str, str | Callable[[Any], Any]] = {
+
+def _call(name: str, env: Any) -> Any:
+    return getattr(mimoc, name)(env)
+
+
+TAKE_IT_ALONE = (
+    *("InfantEnv", "Posture", "build", "build_world", "contacts_and_gaze", "load_policy", "load_spec"),
+    *("make", "make_parallel", "make_vec", "measure_movement", "measure_recordings", "read_bundle"),
+    *("read_cohort", "read_points", "read_recording", "read_retargeted", "read_world_bundle", "register"),
+    *("retarget", "sb3_vec_env", "torque_limits", "validate_milestones", "validate_movement"),
+    *("verify_bench", "view", "world_vec_env"),
+)
+USES: dict[str, str | Callable[[Any], Any]] = {  # What each public name does with an environment, or that it gets none.
     **dict.fromkeys(("Camera", "Caregiver", "Cohort", "Companion", "Gains", "InfantSpec", "Judgement"), NONE),
     **dict.fromkeys(("MimocError", "PointRecording", "Task", "Term", "Verdict", "View", "__version__"), NONE),
     **dict.fromkeys(("Bundle", "WorldBundle", "growth_schedule"), NONE),
+    **{name: partial(_call, name) for name in TAKE_IT_ALONE},
     "GazeTask": lambda env: mimoc.GazeTask("eye_left", env),
     "GrowthWrapper": lambda env: mimoc.GrowthWrapper(env, lambda steps: 9.0),
-    "InfantEnv": lambda env: mimoc.InfantEnv(env),
     "InverseDynamics": lambda env: mimoc.InverseDynamics(env, env, env),
     "OrientationTask": lambda env: mimoc.OrientationTask("head", env),
     "PositionTask": lambda env: mimoc.PositionTask("right_hand", env),
-    "Posture": lambda env: mimoc.Posture(env),
     "Recorder": lambda env: mimoc.Recorder(env, f"recorded_{id(env)}").recording.close(),
-    "build": lambda env: mimoc.build(env),
-    "build_world": lambda env: mimoc.build_world(env),
-    "contacts_and_gaze": lambda env: mimoc.contacts_and_gaze(env),
     "evaluate": lambda env: mimoc.evaluate(env, "random", episodes=1, steps_per_episode=2),
     "export_recording": lambda env: mimoc.export_recording(env, "csv", "exported"),
-    "load_policy": lambda env: mimoc.load_policy(env),
-    "load_spec": lambda env: mimoc.load_spec(env),
-    "make": lambda env: mimoc.make(env),
-    "make_parallel": lambda env: mimoc.make_parallel(env),
-    "make_vec": lambda env: mimoc.make_vec(env),
-    "measure_movement": lambda env: mimoc.measure_movement(env),
-    "measure_recordings": lambda env: mimoc.measure_recordings(env),
     "policy_vec": lambda env: mimoc.policy_vec("random", env),
-    "read_bundle": lambda env: mimoc.read_bundle(env),
-    "read_cohort": lambda env: mimoc.read_cohort(env),
-    "read_points": lambda env: mimoc.read_points(env),
-    "read_recording": lambda env: mimoc.read_recording(env),
-    "read_retargeted": lambda env: mimoc.read_retargeted(env),
-    "read_world_bundle": lambda env: mimoc.read_world_bundle(env),
     "record": lambda env: mimoc.record(env, "random", "film.gif", steps=1, height_px=48),
-    "register": lambda env: mimoc.register(env),
     "replay_recording": lambda env: list(mimoc.replay_recording(env)),
     "report": lambda env: mimoc.report(env, "report.html"),
-    "retarget": lambda env: mimoc.retarget(env),
     "rsl_rl_env": lambda env: mimoc.rsl_rl_env([env]),
     "run_bench": lambda env: mimoc.run_bench(env, "results.json"),
     "run_experiment": lambda env: mimoc.run_experiment(env, "experiment"),
-    "sb3_vec_env": lambda env: mimoc.sb3_vec_env(env),
-    "torque_limits": lambda env: mimoc.torque_limits(env),
     "train": lambda env: mimoc.train(env, "run"),
-    "validate_milestones": lambda env: mimoc.validate_milestones(env),
-    "validate_movement": lambda env: mimoc.validate_movement(env),
-    "verify_bench": lambda env: mimoc.verify_bench(env),
-    "view": lambda env: mimoc.view(env),
-    "world_vec_env": lambda env: mimoc.world_vec_env(env),
     "write_bundle": lambda env: mimoc.write_bundle(env, "written"),
     "write_points": lambda env: mimoc.write_points(env, "points.csv"),
     "write_retargeted": lambda env: mimoc.write_retargeted(env, "retargeted"),
 }
-"""What each public name does with an environment, or that it gets none."""
 
 KINDS = {"one": ONE, "wrapped": ONE, "many": MANY, "a world": WORLD, "many worlds": WORLDS}
 CLOSED = {"closed": {"GrowthWrapper", "policy_vec", "view"}, "many that are closed": {"policy_vec", "view"}}
@@ -76,14 +62,12 @@ MISSING = "a library is missing"
 
 
 def closed(env: Any) -> Any:
-    """Return an environment that was closed."""
     env.close()
     return env
 
 
 @pytest.fixture(scope="module")
 def environments() -> Iterator[dict[str, Any]]:
-    """Return an environment of each kind."""
     bundle = mimoc.build(SPEC)
     kinds = {
         "one": mimoc.InfantEnv(bundle),

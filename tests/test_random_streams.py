@@ -8,8 +8,7 @@ from hypothesis import given, strategies as st
 from mimoc.base.random_streams import between, pick, shuffled, stream, whole_between
 
 SEEDS = st.integers(0, 2**53)
-RECORDED = [0.112136260583, 0.996863055949, 0.205098491323]
-"""Three numbers of seed 7."""
+RECORDED = [0.112136260583, 0.996863055949, 0.205098491323]  # Three numbers of seed 7.
 
 
 @given(SEEDS, st.text(max_size=20))
@@ -19,15 +18,9 @@ def test_the_same_seed_and_aspect_give_the_same_numbers(seed, aspect):
 
 def test_a_new_process_draws_the_same_numbers():
     code = "from mimoc.base.random_streams import stream; print(stream(7, 'room.size').random(3).tolist())"
+    command, told = [sys.executable, "-c", code], {"capture_output": True, "text": True, "check": True}
     runs = [
-        subprocess.run(
-            [sys.executable, "-c", code],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for seed in ("1", "4242")
+        subprocess.run(command, env={**os.environ, "PYTHONHASHSEED": seed}, **told).stdout for seed in ("1", "4242")
     ]
     assert runs[0] == runs[1] == f"{stream(7, 'room.size').random(3).tolist()}\n"
 

@@ -1,9 +1,11 @@
+import json
 import math
 
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.base.rounding import SIGNIFICANT_DIGITS, readable, rounded
+from mimoc.base.rounding import SIGNIFICANT_DIGITS, readable, render_json, rounded
+from mimoc.base.units import cm_to_m, m_to_cm, months_to_days, ms_to_s, to_steps
 from mimoc.compiler.mjcf.printing import num
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -79,3 +81,66 @@ def test_integers_and_booleans_are_not_rounded():
 )
 def test_people_read_numbers_without_exponents(value, digits, text):
     assert readable(value, digits) == text
+
+
+def test_what_a_spec_says_in_si():
+    assert cm_to_m(46.8) == pytest.approx(0.468)
+    assert ms_to_s(5) == 0.005
+
+
+@given(length_cm=st.floats(0, 1e6))
+def test_centimetres_come_back(length_cm):
+    assert m_to_cm(cm_to_m(length_cm)) == pytest.approx(length_cm)
+
+
+def test_months_are_whos():
+    """WHO's tables run to day 1856 and count 30.4375 days a month."""
+    assert months_to_days(24) == 730.5
+    assert months_to_days(1) == 30.4375
+
+
+@given(steps=st.integers(0, 10_000), timestep_ms=st.floats(0.1, 20))
+def test_whole_steps_are_counted(steps, timestep_ms):
+    """Also of times as they stand in a bundle: a third of a millisecond is no whole part of a second there."""
+    assert to_steps(steps * timestep_ms, timestep_ms) == steps
+    assert to_steps(rounded(steps * timestep_ms), rounded(timestep_ms)) == steps
+
+
+@pytest.mark.parametrize(
+    ("time_ms", "timestep_ms", "message"),
+    [
+        (12, 5, "12 ms is 2.40 steps of 5 ms; the nearest that works is 10 ms"),
+        (13, 5, "13 ms is 2.60 steps of 5 ms; the nearest that works is 15 ms"),
+        (3, 2.5, "3 ms is 1.20 steps of 2.5 ms; the nearest that works is 2.5 ms"),
+    ],
+)
+def test_a_time_between_steps_is_refused_with_the_nearest(time_ms, timestep_ms, message):
+    with pytest.raises(ValueError, match=message):
+        to_steps(time_ms, timestep_ms)
+
+
+@given(data=plain_data, levels=st.sampled_from([0, 1, 2, 99]))
+def test_json_has_sorted_keys_rounded_numbers_and_a_last_newline(data, levels):
+    text = render_json(data, levels).decode()
+    assert text.endswith("\n")
+    assert json.loads(text) == json.loads(json.dumps(rounded(data), sort_keys=True))
+    spread = json.dumps(json.loads(text), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+    assert "".join(text.split()) == "".join(spread.split())
+
+
+def test_json_has_lists_of_numbers_on_one_line_and_all_else_spread_out():
+    data = {"names": ["[\n1]", "b"], "points": [[1, -2.5e-7], [0.5, 3]], "none": []}
+    lines = ["{", ' "names": [', '  "[\\n1]",', '  "b"', " ],", ' "none": [],', ' "points": [']
+    assert render_json(data).decode().splitlines() == [*lines, "  [1, -2.5e-07],", "  [0.5, 3]", " ]", "}"]
+
+
+def test_json_has_on_one_line_what_lies_deeper_than_asked():
+    data = {"numbers": {"a": {"b": [1, {"c": {}}]}}, "none": {}}
+    lines = ["{", ' "none": {},', ' "numbers": {', '  "a": {"b": [1, {"c": {}}]}', " }", "}"]
+    assert render_json(data, 2).decode().splitlines() == lines
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_json_without_nan(value):
+    with pytest.raises(ValueError, match="JSON compliant"):
+        render_json({"value": value})

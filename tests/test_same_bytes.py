@@ -21,11 +21,10 @@ except locale.Error:
     pass  # This machine has no such locale.
 print(json.dumps([mimoc.build(path).files["lock.json"].decode() for path in sys.argv[1:]]))
 """
-MACHINES = {
+MACHINES = {  # Names of kernels of OpenBLAS; where NumPy has another library, they change nothing.
     "an old processor": {"OPENBLAS_CORETYPE": "Prescott", "LC_ALL": "C"},
     "a newer one, in Turkey": {"OPENBLAS_CORETYPE": "Haswell", "LC_ALL": "tr_TR.UTF-8"},
 }
-"""Names of kernels of OpenBLAS; where NumPy has another library, they change nothing."""
 
 
 @pytest.mark.full

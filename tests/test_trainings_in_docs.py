@@ -1,4 +1,4 @@
-"""Every training that README, the guides and the examples print gives a curve; `make trainings` runs it for longer."""
+"""Every training that README, the guides and the examples print gives a curve; `.ci/task trainings` runs longer."""
 
 import os
 import re
@@ -13,8 +13,7 @@ from mimoc.cli.commands import COMMANDS
 from mimoc.training import Curve
 
 CHECKOUT = Path(__file__).resolve().parents[1]
-STEPS = int(os.environ.get("MIMOC_TRAINING_STEPS", "0"))
-"""Control steps of each; 0 is as few as an episode takes."""
+STEPS = int(os.environ.get("MIMOC_TRAINING_STEPS", "0"))  # Control steps of each; 0 is as few as an episode takes.
 SHORT = ["--steps", "504", "--envs", "1", "--set", "n_steps=504", "--set", "batch_size=504", "--set", "n_epochs=1"]
 PAGES = sorted(
     path

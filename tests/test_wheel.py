@@ -31,12 +31,10 @@ def run(wheel, tmp_path_factory) -> Run:
 
 @pytest.fixture(scope="module")
 def installed(run) -> Path:
-    """Return the folder that mimoc is imported from there."""
     return Path(run("python", "-c", "import mimoc; print(mimoc.__file__)").strip()).parent
 
 
 def test_the_wheel_has_everything_and_nothing_else(wheel):
-    """Code, templates, the marker for type checkers, and tables and configs, which the checkout has beside mimoc."""
     with zipfile.ZipFile(wheel) as archive:
         inside = {name: archive.read(name) for name in archive.namelist() if ".dist-info/" not in name}
     assert inside == {
@@ -44,26 +42,13 @@ def test_the_wheel_has_everything_and_nothing_else(wheel):
         **_files(CHECKOUT / "data", "mimoc/data"),
         **_files(CHECKOUT / "configs", "mimoc/configs"),
     }
+    configs = "newborn six_months nine_months eighteen_months two_years five_finger individual one_arm"
+    who = (f"who/{size}_for_age" for size in ("length", "weight", "head_circumference", "arm_circumference"))
     expected = {
-        "mimoc/py.typed",
-        "mimoc/templates/infant.xml.j2",
-        "mimoc/templates/scene.xml.j2",
-        "mimoc/templates/README.md.j2",
-        "mimoc/data/README.md",
-        "mimoc/data/anthrokids.csv",
-        "mimoc/data/anthrokids_published_fits.csv",
-        "mimoc/data/postures.csv",
-        "mimoc/data/who/length_for_age.csv",
-        "mimoc/data/who/weight_for_age.csv",
-        "mimoc/data/who/head_circumference_for_age.csv",
-        "mimoc/data/who/arm_circumference_for_age.csv",
-        *(
-            f"mimoc/configs/{name}.yaml"
-            for name in (
-                *("newborn", "six_months", "nine_months", "eighteen_months", "two_years"),
-                *("five_finger", "individual", "one_arm"),
-            )
-        ),
+        *("mimoc/py.typed", "mimoc/data/README.md"),
+        *(f"mimoc/templates/{name}.j2" for name in ("infant.xml", "scene.xml", "README.md")),
+        *(f"mimoc/data/{name}.csv" for name in ("anthrokids", "anthrokids_published_fits", "postures", *who)),
+        *(f"mimoc/configs/{name}.yaml" for name in configs.split()),
     }
     assert expected <= inside.keys()
 
@@ -75,13 +60,8 @@ def test_the_wheel_says_what_it_is(wheel):
         assert any(name.endswith("/LICENSE") for name in archive.namelist())
     assert (metadata["Name"], metadata["Version"]) == ("mimoc", mimoc.__version__)
     assert metadata["License-Expression"] == "MIT"
-    extras = {"multi", "report", "toys", "record", "minari", "train", "gpu", "slurm", "ray", "live"} | {
-        "test",
-        "pages",
-        "docs",
-        "dev",
-    }
-    assert set(metadata.get_all("Provides-Extra") or ()) == extras
+    extras = "multi report toys record minari train gpu slurm ray live test pages docs dev"
+    assert set(metadata.get_all("Provides-Extra") or ()) == set(extras.split())
 
 
 @pytest.mark.full
@@ -99,7 +79,7 @@ def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tm
         model = mujoco.MjModel.from_xml_path(str(out / file))
         assert model.nu == 44
         mujoco.mj_step(model, mujoco.MjData(model))
-    assert mimoc.read_bundle(out).files == _build_here("nine_months").files
+    assert mimoc.read_bundle(out).files == mimoc.build(CHECKOUT / "configs" / "nine_months.yaml").files
 
 
 @FULL
@@ -117,7 +97,6 @@ def test_commands_work_elsewhere(run):
 
 @FULL
 def test_gymnasium_finds_the_environment_of_the_wheel(run, installed, tmp_path):
-    """`mimoc:` tells Gymnasium what to import; nothing else has to."""
     run("mimoc", "build", installed / "configs/newborn.yaml", "-o", tmp_path / "newborn")
     code = f"""
 import gymnasium
@@ -130,13 +109,8 @@ print(type(env.unwrapped).__module__)
 
 
 def _files(folder: Path, name: str) -> dict[str, bytes]:
-    """Return what is in a folder, by its place in the wheel."""
     return {
         f"{name}/{path.relative_to(folder).as_posix()}": path.read_bytes()
         for path in folder.rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
-
-
-def _build_here(name: str) -> mimoc.Bundle:
-    return mimoc.build(mimoc.load_spec(CHECKOUT / "configs" / f"{name}.yaml"))

@@ -9,8 +9,7 @@ from mimoc.anatomy.parts.trunk import CHEST_JOINTS, CHEST_MOTORS, FOLDING, MIMOS
 from mimoc.anatomy.published_figures import published_part
 from mimoc.base.errors import KindError
 
-Sided = tuple[tuple[str, ReferencePart], ...]
-"""Side (empty for the middle) and part."""
+Sided = tuple[tuple[str, ReferencePart], ...]  # Side (empty for the middle) and part.
 
 RIGHT_THEN_LEFT = ("right", "left")
 IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs", "extra")
@@ -43,22 +42,15 @@ class Anatomy:
     """A reference body: everything that does not depend on age."""
 
     hands: str
-    extra: tuple[str, ...]
-    """Kinds of parts that it has besides MIMo's."""
-    development: Development
-    """The law of strength, joints and proportions."""
+    extra: tuple[str, ...]  # Kinds of parts that it has besides MIMo's.
+    development: Development  # The law of strength, joints and proportions.
     kinds: tuple[PartKind, ...]
     feet: PartKind
-    parts: Sided
-    """Side (empty for the midline) and part, parents first, in MIMo's order, by that law."""
-    mimos_parts: Sided
-    """The same of MIMo's body, whose volumes masses and strength follow by either law."""
-    motors: tuple[tuple[str, ReferenceMotor], ...]
-    """Side and motor, in MIMo's order."""
-    excluded: tuple[tuple[str, str], ...]
-    """Pairs of bodies without contacts."""
-    frictionless: tuple[tuple[str, str], ...] = ()
-    """Pairs of geoms that slide on each other."""
+    parts: Sided  # Side (empty for the midline) and part, parents first, in MIMo's order, by that law.
+    mimos_parts: Sided  # The same of MIMo's body, whose volumes masses and strength follow by either law.
+    motors: tuple[tuple[str, ReferenceMotor], ...]  # Side and motor, in MIMo's order.
+    excluded: tuple[tuple[str, str], ...]  # Pairs of bodies without contacts.
+    frictionless: tuple[tuple[str, str], ...] = ()  # Pairs of geoms that slide on each other.
 
     def __repr__(self) -> str:
         return f"Anatomy({self.hands!r}, {self.development!r}, extra={self.extra!r})"

@@ -1,15 +1,51 @@
-"""What the tables of the reference body hold: all about a part that does not grow, and what its size follows."""
+"""Parts of the body: what does not grow about them, what their sizes follow, and sizes and places as plain values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from mimoc.base.errors import GeometryError
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.base.kinds import Code
+from mimoc.base.kinds import Code, Component
+
+
+@dataclass(frozen=True, slots=True)
+class GeomShape:
+    """Size and centre of a geom, as in MuJoCo."""
+
+    size_m: tuple[float, ...]
+    pos_m: Vec3
+
+
+@dataclass(frozen=True, slots=True)
+class BodyGeometry:
+    """Sizes and positions of the right side, by the names in `anatomy`."""
+
+    origins: Mapping[str, Vec3] = field(default_factory=dict)
+    """Origins of bodies, in the frame of their parent."""
+    shapes: Mapping[str, GeomShape] = field(default_factory=dict)
+    """Shapes of geoms, in the frame of their body."""
+    anchors: Mapping[str, Vec3] = field(default_factory=dict)
+    """Anchors of the joints that are not at the origin of their body."""
+
+    def __or__(self, other: "BodyGeometry") -> "BodyGeometry":
+        return BodyGeometry(
+            {**self.origins, **other.origins}, {**self.shapes, **other.shapes}, {**self.anchors, **other.anchors}
+        )
+
+
+def along(
+    what: str, length_m: float, radius_m: float, embed_m: float, y_m: float = 0.0, down: bool = False
+) -> GeomShape:
+    """Return a capsule on z from a joint to *embed_m* beyond the next; GeometryError if it is wider than long."""
+    axis_m = length_m + embed_m - radius_m
+    if axis_m <= 0:
+        raise GeometryError(f"{what}: a limb {length_m:.3f} m long cannot be {2 * radius_m:.3f} m thick")
+    return GeomShape((radius_m, axis_m / 2), (0.0, y_m, -axis_m / 2 if down else axis_m / 2))
+
 
 GeomType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
-Development = Literal["maturing", "published"]
-"""The laws of everything that changes with age besides size."""
+Development = Literal["maturing", "published"]  # The laws of everything that changes with age besides size.
 Region = Literal["trunk", "head", "limb"]
 """Bodies that limbs hang on, the head, and all others, which an infant may lack."""
 
@@ -20,8 +56,7 @@ ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
 ALONG_X: Vec3 = (0.0, 90.0, 0.0)
 UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
 
-REFERENCE_AGE_MONTHS = 18.0
-"""Age at which children have MIMo's masses and the gears of its motors."""
+REFERENCE_AGE_MONTHS = 18.0  # Age at which children have MIMo's masses and the gears of its motors.
 REST_ABDUCTION_DEG = 13.0
 """Angle between hanging upper arms and the vertical when all joints are at zero, such that they clear the chest (D;
 MIMo 10, with thinner chests)."""
@@ -144,7 +179,7 @@ class ReferencePart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PartKind:
+class PartKind(Component):
     """Parts of the body that belong together: a tail, a pair of wings, other hands."""
 
     name: str

@@ -99,8 +99,7 @@ FMAX: Mapping[str, tuple[float, float]] = {
     "toes": (2.947, 0.8440),
 }
 """FMAX of the muscles in each motor's place, towards negative and positive angles (Mattern et al. 2024)."""
-HALF_OF_TOES_FMAX = (1.473, 0.4220)
-"""Those of the big toe, and of the other toes beside it."""
+HALF_OF_TOES_FMAX = (1.473, 0.4220)  # Those of the big toe, and of the other toes beside it.
 
 DEFECTS: Mapping[str, str] = {
     "curves": "the curves were fitted without newborns, and with children of 3 to 5 months at 3: three of them fall "

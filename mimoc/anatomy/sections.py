@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from mimoc.anatomy.part import REST_ABDUCTION_DEG
 from mimoc.base.errors import GeometryError
-from mimoc.base.units import deg_to_rad
 
 CLEARANCE_M = 1e-4
 """Distance by which a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""
@@ -18,38 +17,29 @@ CHEST, WAIST, HIP = 2.939, 2.730, 2.815
 """Girth over breadth of each section: means over the seven infant groups of AnthroKids, the hip's 1 % more (D). Those
 of single groups scatter by 4 % (chest 2.84 to 3.04) because breadths and girths come from different children, so one
 ratio keeps the shape of a body steady as it grows; the waist's breadth is `WAIST_BREADTH`."""
-WAIST_BREADTH = 0.93
-"""Breadth of the waist over `hip_breadth`, which was not measured on infants (D)."""
+WAIST_BREADTH = 0.93  # Breadth of the waist over `hip_breadth`, which was not measured on infants (D).
 
 ROUNDEST = 3.087
 """Largest girth over breadth of a section: the straight part is then 5 % of the radius; a circle has pi."""
-FLATTEST = 2.2
-"""Smallest girth over breadth of a section: it is then three times as broad as deep."""
-GIVE = 0.04
-"""How far girth and breadth may be from those asked for where both cannot be had."""
+FLATTEST = 2.2  # Smallest girth over breadth of a section: it is then three times as broad as deep.
+GIVE = 0.04  # How far girth and breadth may be from those asked for where both cannot be had.
 
 JOINT_SPACING = 0.866
 """Distance of the shoulder joints over `shoulder_breadth`, taken over the deltoids: MIMo's at 18 months (S)."""
 DELTOID_BREADTH = 1.01
 """Breadth over hanging upper arms, over `shoulder_breadth`, unless the arms at rest would touch the chest."""
 
-GIRDLE = 0.62
-"""Radius of the shoulder girdle over that of the chest: MIMo's radius at 18 months."""
-SHOULDER_BACK = 0.5
-"""How far the shoulder joints are behind the middle of the chest, in its radii (D)."""
-GIRDLE_BACK = SHOULDER_BACK / 2
-"""How far the shoulder girdle is behind the middle of the chest, in its radii (D)."""
-SHOULDER_ABOVE_CHEST_M = 0.063
-"""Height of the shoulder joints above the middle of the chest in the reference body."""
+GIRDLE = 0.62  # Radius of the shoulder girdle over that of the chest: MIMo's radius at 18 months.
+SHOULDER_BACK = 0.5  # How far the shoulder joints are behind the middle of the chest, in its radii (D).
+GIRDLE_BACK = SHOULDER_BACK / 2  # How far the shoulder girdle is behind the middle of the chest, in its radii (D).
+SHOULDER_ABOVE_CHEST_M = 0.063  # Height of the shoulder joints above the middle of the chest in the reference body.
 
 DEEPEST_PELVIS, DEEPEST_CHEST = 0.21, 0.26
 """Largest radii over the height between head and rump; those of the average child are at most .18 and .19."""
-USUAL_PELVIS = 0.18
-"""Radius of the pelvis over the same height up to which the hip joints move back with it (D)."""
+USUAL_PELVIS = 0.18  # Radius of the pelvis over the same height up to which the hip joints move back with it (D).
 NO_ROOM = "crown_rump_length leaves no room for a trunk below this head"
 
-RUMP = 0.62
-"""Height of the hip joints above the lowest point of the pelvis, in its radii."""
+RUMP = 0.62  # Height of the hip joints above the lowest point of the pelvis, in its radii.
 BUTTOCKS = 0.73
 """Distance of the hip joints from the back of the pelvis, in its radii. Together with `RUMP` it makes rump-sole,
 rump-knee and knee-sole length come out right at all ages (D)."""
@@ -61,23 +51,18 @@ HIP_SPACING = 0.52
 class Trunk:
     """Pelvis to shoulders: sections, and the places of the joints of the limbs."""
 
-    axial: float
-    """Spacing of the trunk's bodies along z, 1 in the reference body."""
+    axial: float  # Spacing of the trunk's bodies along z, 1 in the reference body.
     pelvis: Section
     waist: Section
     belly: Section
     ribs: Section
     girdle: Section
-    shoulder_y_m: float
-    """Distance from the midline to the shoulder joint."""
+    shoulder_y_m: float  # Distance from the midline to the shoulder joint.
     arm_inwards_m: float
     """How much nearer to the midline than its joint the upper arm's axis is; negative in stout children."""
-    hip_y_m: float
-    """Distance from the midline to the hip joint."""
-    rump_m: float
-    """Height of the hip joint above the lowest point of the pelvis."""
-    buttocks_m: float
-    """Distance from the hip joint to the back of the pelvis."""
+    hip_y_m: float  # Distance from the midline to the hip joint.
+    rump_m: float  # Height of the hip joint above the lowest point of the pelvis.
+    buttocks_m: float  # Distance from the hip joint to the back of the pelvis.
 
 
 def measured_trunk(
@@ -138,7 +123,7 @@ def room_beside(
     Seen along the arm, its axis and the end of the chest's axis are points, *outwards_m*, *above_m* and *behind_m* from
     each other; the chest is the lower of the two, and *apart_m* the distance that is kept.
     """
-    tilt_rad = deg_to_rad(abduction_deg)
+    tilt_rad = math.radians(abduction_deg)
     beside_m = outwards_m * math.cos(tilt_rad) + above_m * math.sin(tilt_rad)
     return beside_m - math.sqrt(max(apart_m**2 - behind_m**2, 0.0))
 

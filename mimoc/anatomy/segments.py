@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from mimoc.anatomy.sections import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing, measured_trunk
 from mimoc.base.errors import GeometryError
-from mimoc.base.geometry.ellipsoids import ellipse_perimeter
+from mimoc.base.geometry.primitives import ellipse_perimeter
 
 
 def _mimos_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
@@ -109,15 +109,11 @@ class Limb:
 class Hand:
     """A hand: palm and fingers."""
 
-    length_m: float
-    """Wrist to fingertips."""
-    half_breadth_m: float
-    """Across the knuckles."""
-    half_fist_m: float
-    """Across the fist, thumb included."""
+    length_m: float  # Wrist to fingertips.
+    half_breadth_m: float  # Across the knuckles.
+    half_fist_m: float  # Across the fist, thumb included.
     half_thickness_m: float
-    finger_radius_m: float
-    """Of the middle finger."""
+    finger_radius_m: float  # Of the middle finger.
     thumb_radius_m: float
 
 
@@ -134,8 +130,7 @@ class Foot:
 class Proportions:
     """Proportions that determine all shapes of an infant."""
 
-    head_radius_m: float
-    """Of a circle with the head's circumference."""
+    head_radius_m: float  # Of a circle with the head's circumference.
     head_half_axes_m: tuple[float, float]
     """Of the head's level section, an ellipse with the same circumference: half its length and half its breadth."""
     trunk: Trunk
@@ -143,10 +138,8 @@ class Proportions:
     forearm: Limb
     hand: Hand
     thigh: Limb
-    shank: Limb
-    """Knee to the middle of the foot; the radius is that of the calf."""
-    knee_forward_m: float
-    """How far the knee joint is in front of the thigh's axis."""
+    shank: Limb  # Knee to the middle of the foot; the radius is that of the calf.
+    knee_forward_m: float  # How far the knee joint is in front of the thigh's axis.
     ankle_radius_m: float
     foot: Foot
 

@@ -28,13 +28,10 @@ class Problem:
     """One problem in one place of a spec."""
 
     file: str
-    line: int
-    """Line number from 1; 0 if there are no lines, as in a spec created in Python."""
+    line: int  # Line number from 1; 0 if there are no lines, as in a spec created in Python.
     column: int
-    key: str
-    """Dotted path of the key; empty if the problem concerns the whole file."""
-    message: str
-    """What is wrong, and what to do."""
+    key: str  # Dotted path of the key; empty if the problem concerns the whole file.
+    message: str  # What is wrong, and what to do.
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file

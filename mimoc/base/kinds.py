@@ -1,49 +1,52 @@
-"""Tables of records by name: mimoc's own, and those that plug-ins and scripts add."""
+"""Components by name: mimoc's own, and those that plug-ins and scripts add."""
 
 import os
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoints, distributions, entry_points
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
-from mimoc.base.errors import KindError, UnknownNameError
+from mimoc.base.errors import KindError, check_name
 
-Code = str | Callable[..., Any]
-"""A function, or the full name of the module that defines it."""
+Code = str | Callable[..., Any]  # A function, or the full name of its module, and `:NAME`.
 
 NAME = re.compile("[a-z][a-z0-9_]*")
 PLUGINS_VARIABLE = "MIMOC_PLUGINS"
 """Environment variable that names the distributions whose plug-ins are used, with commas; `none` is none of them."""
 
 
-class Kind(Protocol):
-    """What all records have in common."""
+@dataclass(frozen=True, slots=True)
+class Component:
+    """What a spec, a bundle or a command can name; each kind of components has a record with more fields."""
 
-    @property
-    def name(self) -> str:
-        """Name, unique among its kind of thing."""
-        ...
+    name: str  # Name, unique among its kind of components.
 
 
-K = TypeVar("K", bound=Kind)
+C = TypeVar("C", bound=Component)
 
 
-@dataclass(frozen=True)
-class Kinds(Mapping[str, K]):
-    """The records of one kind of thing by name: mimoc's own, in their order, then those that were added."""
+class Registry(Mapping[str, C]):
+    """The components of one kind by name: mimoc's own, in their order, then those that were added.
 
-    what: str
-    """What they are, in the singular, such as `sense`."""
-    builtin: Mapping[str, K | str]
-    """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named, or
-    what a module names otherwise, as `module:NAME`."""
-    _added: dict[str, tuple[K, str]] = field(default_factory=dict)
+    Args:
+        record: The class of their records.
+        what: What they are, in the singular, such as `sense`.
+        builtin: Mimoc's own: records, or by name where one is imported when it is first asked for. Such a record is the
+            `KIND` of the module that is named, or what a module names otherwise, as `module:NAME`.
+    """
 
-    def __getitem__(self, name: str) -> K:
+    def __init__(self, record: type[C], what: str, builtin: Mapping[str, C | str] | Iterable[C]):
+        self.record = record
+        self.what = what
+        given: Any = builtin if isinstance(builtin, Mapping) else {record.name: record for record in builtin}
+        self.builtin: Mapping[str, C | str] = given
+        self._added: dict[str, tuple[C, str]] = {}
+
+    def __getitem__(self, name: str) -> C:
         if name not in self.builtin:
             return self._added[name][0]
         record: Any = self.builtin[name]
@@ -59,17 +62,16 @@ class Kinds(Mapping[str, K]):
     def __len__(self) -> int:
         return len(self.builtin) + len(self._added)
 
-    def find(self, name: str) -> K:
+    def find(self, name: str) -> C:
         """Return the record of a name, or raise an UnknownNameError."""
-        if name not in self:
-            raise UnknownNameError(self.what, name, list(self))
+        check_name(self.what, name, self)
         return self[name]
 
     def distribution(self, name: str) -> str:
         """Return the distribution that a kind comes from, such as `mimoc`; empty if a script registered it."""
         return "mimoc" if name in self.builtin else self._added[name][1]
 
-    def add(self, record: K, distribution: str = "") -> None:
+    def add(self, record: C, distribution: str = "") -> None:
         """Add somebody else's record, which a script may replace; KindError if its name is invalid or taken."""
         if not NAME.fullmatch(record.name):
             raise KindError(f"'{record.name}' cannot name a {self.what}; use lower-case letters, digits and '_'")
@@ -118,14 +120,16 @@ def function_of(code: Code, name: str) -> Callable[..., Any]:
     """Return *code* itself, or what has this name in the module, or raise a KindError if somebody else's lacks it."""
     if not isinstance(code, str):
         return code
-    if code.startswith("mimoc."):
-        return getattr(import_module(code), name)
+    module, _, function = code.partition(":")
+    name = function or name
+    if module.startswith("mimoc."):
+        return getattr(import_module(module), name)
     try:
-        return getattr(import_module(code), name)
+        return getattr(import_module(module), name)
     except (Exception, SystemExit) as error:  # Whatever a plug-in's module does when it is imported.
-        raise KindError(f"the plug-in module '{code}' has no usable function '{name}': {error!r}") from error
+        raise KindError(f"the plug-in module '{module}' has no usable function '{name}': {error!r}") from error
 
 
 def _normalized(distribution: str) -> str:
-    """Return the name of a distribution in the form in which equal names are equal (PEP 503)."""
+    """Return the name of a distribution in its canonical form (PEP 503)."""
     return re.sub(r"[-_.]+", "-", distribution.strip()).lower()

@@ -8,8 +8,7 @@ import numpy as np
 
 Item = TypeVar("Item")
 
-SEED = "spec.scene.seed"
-"""The seed of a scene, as a key in `provenance.json`."""
+SEED = "spec.scene.seed"  # The seed of a scene, as a key in `provenance.json`.
 
 
 def checked_seed(seed: Any, what: str = "seed") -> int:

@@ -11,13 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 LEAST_NORMAL = sys.float_info.min
-SIGNIFICANT_DIGITS = 9
-"""Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
+SIGNIFICANT_DIGITS = 9  # Enough for any body (a nanometre on a metre), too few to show in which order sums were taken.
 
-MOST_DECIMALS = 6
-"""Of numbers that people read: what is smaller counts as none."""
-NEAR_HALF = 1e-6
-"""Of the last digit, where it takes the exact decimals of a number to tell whether it is rounded up."""
+MOST_DECIMALS = 6  # Of numbers that people read: what is smaller counts as none.
+NEAR_HALF = 1e-6  # Of the last digit, where it takes the exact decimals of a number to tell whether it is rounded up.
 TENS = np.array([float(f"1e{exponent}") for exponent in range(23)])
 """The powers of ten that a float holds without error."""
 LEAST, LARGEST = 1e-13, 1e8

@@ -17,10 +17,10 @@ def check_form(given: Any, expected: Any, where: str = "") -> None:
         ValueError: If it has another form.
     """
     if isinstance(expected, dict):
-        demand(isinstance(given, dict), where, given)
+        require(isinstance(given, dict), where, given)
         for name in expected:
             inner = f"{where}.{name}".lstrip(".")
-            demand(name in given, inner, "nothing")
+            require(name in given, inner, "nothing")
             check_form(given[name], expected[name], inner)
     elif isinstance(expected, (list, tuple)):
         for item, like in zip(checked_list(given, where, len(expected)), expected, strict=True):
@@ -33,16 +33,16 @@ def check_form(given: Any, expected: Any, where: str = "") -> None:
             )
         check_finite(given, where)
     else:
-        demand(_is_like(given, expected), where, given)
+        require(_is_like(given, expected), where, given)
 
 
 def checked_list(given: Any, where: str, length: int | None = None) -> Sequence[Any]:
     """Return what is there, or raise a ValueError unless it is a list, of this length if it is said."""
-    demand(isinstance(given, (list, tuple)) and length in (None, len(given)), where, given)
+    require(isinstance(given, (list, tuple)) and length in (None, len(given)), where, given)
     return given
 
 
-def demand(is_so: bool, where: str, given: Any) -> None:
+def require(is_so: bool, where: str, given: Any) -> None:
     """Raise a ValueError that tells what is wrong in a state and where, unless all is well."""
     if not is_so:
         raise ValueError(

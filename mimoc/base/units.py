@@ -1,13 +1,9 @@
-"""Where the units of a spec meet those of a model: cm, degrees and ms become SI here and nowhere else."""
-
-import math
+"""Where the units of a spec meet those of a model: cm and ms become SI here and nowhere else."""
 
 CM_PER_M = 100.0
 MM_PER_CM = 10.0
-GRAVITY_M_S2 = 9.81
-"""Of all scenes."""
-DAYS_PER_MONTH = 365.25 / 12
-"""As WHO's Child Growth Standards count months (30.4375 days)."""
+GRAVITY_M_S2 = 9.81  # Of all scenes.
+DAYS_PER_MONTH = 365.25 / 12  # As WHO's Child Growth Standards count months (30.4375 days).
 
 
 def cm_to_m(length_cm: float) -> float:
@@ -18,16 +14,6 @@ def cm_to_m(length_cm: float) -> float:
 def m_to_cm(length_m: float) -> float:
     """Return a length in centimetres."""
     return length_m * CM_PER_M
-
-
-def deg_to_rad(angle_deg: float) -> float:
-    """Return an angle in radians."""
-    return math.radians(angle_deg)
-
-
-def rad_to_deg(angle_rad: float) -> float:
-    """Return an angle in degrees."""
-    return math.degrees(angle_rad)
 
 
 def ms_to_s(time_ms: float) -> float:

@@ -9,20 +9,18 @@ from dataclasses import dataclass, replace
 from operator import itemgetter
 
 from mimoc.anatomy.anatomy import Anatomy, assemble
-from mimoc.anatomy.dimensions import BodyGeometry, mirror, mirror_turn
-from mimoc.anatomy.part import ReferenceGeom, ReferencePart
+from mimoc.anatomy.part import BodyGeometry, ReferenceGeom, ReferencePart
 from mimoc.anatomy.parts.trunk import TENDONS
-from mimoc.body.composition import AVERAGE, Composition, composition
 from mimoc.body.impairments import impair
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
-from mimoc.body.maturation import maturation, relative_volumes
+from mimoc.body.maturation import AVERAGE, Composition, composition, maturation, relative_volumes
 from mimoc.body.measurements import Height, Targets, Weigh, asked_targets, birth_targets, measure_individual
 from mimoc.body.published import standing_height
 from mimoc.body.reference import CURVES, HEIGHT, Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
 from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, remove_parts
+from mimoc.body.tree import Attributes, Body, BodyTree, Geom, Joint, Tendon, mirror, mirror_turn, remove_parts
 from mimoc.fits import Measurements, measure
 from mimoc.schema.infant import InfantSpec
 
@@ -148,6 +146,13 @@ def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints
     )
 
 
+GRIPPING: Attributes = (("priority", (1.0,)), ("solref", (0.01, 1.0)), ("solimp", (0.999, 0.9999, 0.001, 0.5, 1.0)))
+"""Contacts of a hand that holds on: those of the hand, whatever it touches, and so stiff that they hardly slip.
+
+MuJoCo's friction is soft: with other geoms' contacts, 1 to 2 N squeeze a rod out of a newborn's hand (D)."""
+SLIPPERY: Attributes = (("priority", (2.0,)),)  # Contacts of an eye: without friction, whatever it touches.
+
+
 def _geom(figures: ReferenceGeom, side: str, dimensions: BodyGeometry, masses: Masses) -> Geom:
     left = side == "left"
     solid = dimensions.shapes[figures.name]
@@ -163,6 +168,5 @@ def _geom(figures: ReferenceGeom, side: str, dimensions: BodyGeometry, masses: M
         conaffinity=figures.conaffinity,
         condim=figures.condim,
         material=figures.material.format(side=side),
-        grips=figures.grips,
-        slippery=figures.slippery,
+        settings=GRIPPING if figures.grips else SLIPPERY if figures.slippery else (),
     )

@@ -13,19 +13,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mimoc.base.errors import ContractureError
-from mimoc.body.limits import LARGEST_SHARE
+from mimoc.body.joints import LARGEST_SHARE
 from mimoc.body.origins import Origin
 from mimoc.body.tree import BodyTree, Joint, Motor, StretchReflex, Tone
 from mimoc.schema.impairments import PRETERM_WEEKS, ImpairmentsSpec, ToneSpec
-from mimoc.schema.names import SIDES
-from mimoc.schema.regions import RANGED, in_regions
+from mimoc.schema.names import RANGED, SIDES, in_regions
 
 KEY = "spec.impairments"
 REFLEX = 2.6
 """K: such that spastic knees swing, from straight, at .69 of the peak speed of healthy ones at 18 months, as those of
 children with cerebral palsy do (202 and 293 degrees/s, White et al. 2007, Gait Posture 26: 97-105; fitted)."""
-THRESHOLD_RAD_S = 1.0
-"""w_0, an assumption: slow movements stretch without a reflex."""
+THRESHOLD_RAD_S = 1.0  # w_0, an assumption: slow movements stretch without a reflex.
 SPASTIC: Mapping[str, tuple[int, ...]] = {"elbow": (-1,), "hip1": (-1,), "hip2": (1,), "foot1": (-1,)}
 """Signs of the torques of the muscles that are spastic at some joints: flexors of elbow and hip, adductors, and those
 that point the foot (clinical pattern of spasticity; from memory, so an assumption). At all others, both ways are."""

@@ -15,6 +15,19 @@ them over all postures, the stiffness k = kappa W, armature a, and the damping r
 
 The neck has MIMo's stiffness, and other joints have MIMo's figures. Angles go from the newborn's to those of 18 months:
 q = q_18 + (q_0 - q_18) decay(age). Muscle tone is no spring; see `mimoc.body.tone`.
+
+Limits stop a joint at the ends of its range. A limit is a spring with a damper, at its critical damping with a time
+constant tau: a joint that arrives at the speed w goes w tau / e too far, and up to w h more with physics steps of h,
+because a limit acts from the first step on that begins beyond it. MIMo's 20 ms let limbs that swing freely, of 25 to 40
+rad/s, go 8 to 25 degrees too far. By the law `maturing`, tau is 10 ms, or 2 h for steps longer than 5 ms, the shortest
+that MuJoCo admits: a single step then stops a joint. Its limits act from
+
+    m = min(max(0, w h - OVERSHOOT), range / 4),    h = 5 ms
+
+before its end, such that with physics steps of 5 ms a joint no faster than w goes `OVERSHOOT` too far at most, if its
+range is not small (D): 2 degrees of limbs, 8 of fingers and toes, and 0 of eyes. A slowly moved joint stops there, too;
+so longer steps, which would need 12 degrees of limbs, have no more and overshoot further. What `margin` means to joints
+is the same from MuJoCo 3.5 on.
 """
 
 import math
@@ -22,15 +35,55 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from mimoc.anatomy.anatomy import Anatomy
-from mimoc.anatomy.dimensions import mirror, mirror_turn
-from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, ReferenceJoint
-from mimoc.body.limits import limit_margin, margin_origin
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development, ReferenceJoint
 from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, matured, size_gain
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
+from mimoc.body.strength import FASTEST_RAD_S
 from mimoc.body.tone import TONE
-from mimoc.body.tree import BodyTree, Joint, MaturationFactors
+from mimoc.body.tree import BodyTree, Joint, MaturationFactors, mirror, mirror_turn
+
+PUBLISHED_TAU_S, TAU_S = 0.02, 0.01
+IMPEDANCE = (0.98, 0.99, 0.001, 0.5, 1.0)  # MIMo's `solimplimit`.
+
+LIGHT_RAD_S, EYES_RAD_S = 55.0, 13.5
+"""Speed w of fingers and toes, which blows give them (D, random commands), and of eyes: torque by damping. Limbs have
+that at which motors no longer pull."""
+LIGHT_KGM2 = 5e-4  # Largest armature of fingers and toes at 18 months (MIMo).
+OVERSHOOT_DEG = 8.0  # Goal of the largest overshoot (D); contacts and other joints add to it.
+STEP_S = 0.005  # Physics step h for which joints stop in time.
+LARGEST_SHARE = 0.25  # Largest margin, as a share of the range: half of a small range stays free (D).
+
+
+def limits_of(development: Development) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    """Return the attributes in MJCF that all limits of a law of development have in common."""
+    tau_s = PUBLISHED_TAU_S if development == "published" else TAU_S
+    return ("solreflimit", (tau_s, 1.0)), ("solimplimit", IMPEDANCE)
+
+
+def limit_margin(figures: ReferenceJoint, group: str, range_deg: tuple[float, float]) -> float:
+    """Return how far before both ends of its range a joint's limits act by the law `maturing`, m, in [deg]."""
+    low, high = range_deg
+    return min(
+        max(0.0, math.degrees(_speed_rad_s(figures, group) * STEP_S) - OVERSHOOT_DEG), LARGEST_SHARE * (high - low)
+    )
+
+
+def margin_origin(joint: str, figures: ReferenceJoint, group: str) -> Origin:
+    """Return where the margin of a joint comes from, named with its side; the other arguments are `limit_margin`'s."""
+    rule = (
+        f"how far before both ends of its range limits act by {LAW}: {_speed_rad_s(figures, group):g} rad/s x "
+        f"{1000 * STEP_S:g} ms - {OVERSHOOT_DEG:g} degrees that a joint so fast may still go too far, but no more than "
+        f"{LARGEST_SHARE:g} x the range (D)"
+    )
+    return Origin(rule, (f"joint.{joint}.range", LAW_KEY))
+
+
+def _speed_rad_s(figures: ReferenceJoint, group: str) -> float:
+    limb_rad_s = LIGHT_RAD_S if figures.armature_kgm2 <= LIGHT_KGM2 else FASTEST_RAD_S
+    return EYES_RAD_S if group == "eyes" else limb_rad_s
+
 
 LIMB, HEAD = 0.13, 0.4
 """Damping ratios zeta of relaxed joints: .07 to .12 (D) of adults' shanks, which swing 8 times (S, recorded pendulum
@@ -41,18 +94,13 @@ tests); that of the neck is a guess (D)."""
 class Relaxed:
     """A relaxed joint of 18 months, with what hangs on it in the average child of that age."""
 
-    weight_nm: float
-    """W, the greatest weight moment about the joint (D, from the compiled body)."""
-    inertia_kgm2: float
-    """I, the greatest inertia about the joint, without armature (likewise)."""
+    weight_nm: float  # W, the greatest weight moment about the joint (D, from the compiled body).
+    inertia_kgm2: float  # I, the greatest inertia about the joint, without armature (likewise).
     stiffness: float | None = None
     """kappa; None for MIMo's stiffness. Chosen such that a shank hangs within 15 degrees of the vertical (D)."""
-    rest_deg: float | None = None
-    """Where its spring is at rest (D, a guess); None as in MIMo."""
-    damping_ratio: float = LIMB
-    """zeta."""
-    armature: float = 1.0
-    """Factor on MIMo's armature (D)."""
+    rest_deg: float | None = None  # Where its spring is at rest (D, a guess); None as in MIMo.
+    damping_ratio: float = LIMB  # zeta.
+    armature: float = 1.0  # Factor on MIMo's armature (D).
 
 
 RELAXED: Mapping[str, Relaxed] = {
@@ -94,10 +142,8 @@ class Limit:
 
     newborn_deg: float
     decay: Decay
-    source: str
-    """Publications, with what is known of them: S read in the source, M from memory, D derived."""
-    later_deg: float | None = None
-    """At 18 months; None as in MIMo."""
+    source: str  # Publications, with what is known of them: S read in the source, M from memory, D derived.
+    later_deg: float | None = None  # At 18 months; None as in MIMo.
 
     def at(self, age_months: float, mimos_deg: float) -> float:
         """Return the end at some age."""
@@ -123,8 +169,7 @@ LOWER_LIMITS: Mapping[str, Limit] = {
 """Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down. Their hips
 turn further out than in."""
 
-NOISE = 1e-9
-"""Relative difference below which two strengths count as equal."""
+NOISE = 1e-9  # Relative difference below which two strengths count as equal.
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,8 +180,7 @@ class PassiveFigures:
     damping_nms_per_rad: float
     armature_kgm2: float
     rest_deg: float
-    why: Mapping[str, str]
-    """By attribute in MJCF."""
+    why: Mapping[str, str]  # By attribute in MJCF.
 
 
 def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFactors | None) -> dict[str, Joint]:

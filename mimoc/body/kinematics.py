@@ -18,8 +18,7 @@ from mimoc.base.geometry.rotations import (
 from mimoc.base.units import m_to_cm
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 
-Frame = tuple[FloatArray, FloatArray]
-"""Origin and rotation."""
+Frame = tuple[FloatArray, FloatArray]  # Origin and rotation.
 
 
 @dataclass(frozen=True)
@@ -27,10 +26,8 @@ class Posed:
     """The n geoms of a body in a pose, or in each of several, in the frame of its hip."""
 
     geoms: tuple[Geom, ...]
-    centres: FloatArray
-    """Shape (..., n, 3), [m]."""
-    rotations: FloatArray
-    """Hip from geom, shape (..., n, 3, 3)."""
+    centres: FloatArray  # Shape (..., n, 3), [m].
+    rotations: FloatArray  # Hip from geom, shape (..., n, 3, 3).
 
     @property
     def centre_of_mass(self) -> FloatArray:

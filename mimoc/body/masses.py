@@ -10,15 +10,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from mimoc.anatomy.anatomy import Anatomy
-from mimoc.anatomy.dimensions import BodyGeometry
-from mimoc.anatomy.part import ReferenceGeom, ReferencePart
+from mimoc.anatomy.part import BodyGeometry, ReferenceGeom, ReferencePart
 from mimoc.base.geometry.primitives import volume
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, REFERENCE, Origin
 from mimoc.body.reference import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS, Reference
 from mimoc.body.shapes import Shapes
 
-NECK_SHARE = 0.08
-"""Of the neck in the mass of head and neck (D)."""
+NECK_SHARE = 0.08  # Of the neck in the mass of head and neck (D).
 LEAST_TRUNK = 0.4
 """Of its mass by the published law, which a trunk keeps in any case; it limits the heads of children far outside of
 WHO's percentiles."""
@@ -37,15 +35,11 @@ HEAD_SHARES = (
 class Masses:
     """The masses of a child's geoms, and where they come from."""
 
-    kg: Mapping[str, Mapping[str, float]]
-    """By side (empty for the middle), then by name with `{side}`."""
+    kg: Mapping[str, Mapping[str, float]]  # By side (empty for the middle), then by name with `{side}`.
     densities_kg_m3: Mapping[str, float]
-    head_gain: float = 1.0
-    """Mass of head and neck by the law `maturing`, relative to the published law."""
-    feet: Collection[str] = ()
-    """Names of the parts of feet, which are higher by the law `maturing`."""
-    trunk_left: float | None = None
-    """Mass of the trunk, likewise; None by the published law."""
+    head_gain: float = 1.0  # Mass of head and neck by the law `maturing`, relative to the published law.
+    feet: Collection[str] = ()  # Names of the parts of feet, which are higher by the law `maturing`.
+    trunk_left: float | None = None  # Mass of the trunk, likewise; None by the published law.
 
     def body_kg(self, anatomy: Anatomy) -> float:
         """Return the mass of the whole body."""

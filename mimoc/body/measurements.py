@@ -13,8 +13,7 @@ from mimoc.fits.who import Reference, Sex
 from mimoc.schema.body import HEADS_CM, INDICATORS, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
 
-Weigh = Callable[[Measurements], float]
-"""Returns the mass of a child with some measurements, in [kg]."""
+Weigh = Callable[[Measurements], float]  # Returns the mass of a child with some measurements, in [kg].
 Height = Callable[[Measurements], float]
 """Returns the standing height of a child with some measurements: a sum of multiples of these and a constant, in [m]."""
 Bounds = tuple[float, float]
@@ -28,10 +27,8 @@ HEADS: Bounds = (0.75, 1.4)
 SIZING = {"sex", *(key for pair in INDICATORS.items() for key in pair)}
 """Keys of an individual that its sizes follow from."""
 HEAD = ("head_circumference", "head_breadth", "head_length")
-EDGE = 1e-3
-"""Precision of the limit of possible factors."""
-_PRECISION = 1e-12
-"""Precision of a factor, such that no digit in a file depends on the root finding."""
+EDGE = 1e-3  # Precision of the limit of possible factors.
+_PRECISION = 1e-12  # Precision of a factor, such that no digit in a file depends on the root finding.
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +38,8 @@ class Targets:
     length_m: float | None
     weight_kg: float | None
     head_m: float | None
-    keys: tuple[str, ...] = ()
-    """Keys of the spec that ask for them."""
-    why: str = "for this child"
-    """What the origin of each measurement says of its factor."""
+    keys: tuple[str, ...] = ()  # Keys of the spec that ask for them.
+    why: str = "for this child"  # What the origin of each measurement says of its factor.
 
 
 def targets(individual: IndividualSpec, age_months: float) -> Targets:

@@ -19,12 +19,9 @@ LAW = "the law `maturing`"
 class Origin:
     """Origin of a number, for provenance."""
 
-    rule: str
-    """How it is computed, and the publication."""
-    sources: tuple[str, ...] = ()
-    """Keys (of `mimoc explain`) of the numbers that it is computed from."""
-    unit: str = ""
-    """Its unit; empty if it has none, or consists of numbers with different units."""
+    rule: str  # How it is computed, and the publication.
+    sources: tuple[str, ...] = ()  # Keys (of `mimoc explain`) of the numbers that it is computed from.
+    unit: str = ""  # Its unit; empty if it has none, or consists of numbers with different units.
 
     def times(self, text: str, *sources: str) -> "Origin":
         """Return the origin of the number that is multiplied by another, which *text* describes."""

@@ -9,7 +9,6 @@ import numpy as np
 from mimoc.base.geometry.primitives import Extents, girth
 from mimoc.base.geometry.rotations import quaternion_from_axis
 from mimoc.base.geometry.solvers import narrowed
-from mimoc.base.units import deg_to_rad, rad_to_deg
 from mimoc.body import published
 from mimoc.body.kinematics import FloatArray, length_m, pose, pose_all
 from mimoc.body.reference import CURVES, HEIGHT
@@ -18,10 +17,8 @@ from mimoc.fits import measure
 from mimoc.fits.tables import settled_deg
 from mimoc.schema.names import SIDES
 
-_STEP_RAD = deg_to_rad(0.5)
-"""Step of pitch in the search for the resting pitch."""
-_STEPS = 16
-"""Number of steps that are tried at once."""
+_STEP_RAD = math.radians(0.5)  # Step of pitch in the search for the resting pitch.
+_STEPS = 16  # Number of steps that are tried at once.
 _NEAR_M_PER_RAD = 6.0
 """A geom that is so much higher than the lowest does not become it: no part of an infant is farther than 1.5 m from
 another, so each falls and rises by less than half of this."""
@@ -32,14 +29,10 @@ _PRECISION_RAD = 1e-9
 class Rollers:
     """The k geoms with which a body touches the ground in each of p poses, in the frame of its hip."""
 
-    centres: FloatArray
-    """Shape (p, k, 3), [m]."""
-    rotations: FloatArray
-    """Hip from geom, shape (p, k, 3, 3)."""
-    reach: Extents
-    """From their centres, shapes (p, k, 3), [m]."""
-    centres_of_mass: FloatArray
-    """Of the whole body, shape (p, 3), [m]."""
+    centres: FloatArray  # Shape (p, k, 3), [m].
+    rotations: FloatArray  # Hip from geom, shape (p, k, 3, 3).
+    reach: Extents  # From their centres, shapes (p, k, 3), [m].
+    centres_of_mass: FloatArray  # Of the whole body, shape (p, 3), [m].
 
     def rest(self, pitches_rad: FloatArray) -> list[tuple[float, float]]:
         """Return the pitch at which the body comes to rest from others, (p,), and the height of its hip there, in [m].
@@ -109,16 +102,13 @@ def _downs(pitches_rad: FloatArray) -> FloatArray:
 class Pose:
     """Joint angles and orientation of the hip."""
 
-    pitch_deg: float
-    """Rotation of the hip about y: 90 is face down, -90 face up."""
-    angles_deg: Mapping[str, float]
-    """Angles by joint, without `robot:`; `{side}` stands for both sides."""
+    pitch_deg: float  # Rotation of the hip about y: 90 is face down, -90 face up.
+    angles_deg: Mapping[str, float]  # Angles by joint, without `robot:`; `{side}` stands for both sides.
     on_feet: bool = False
     """Whether hips that do not straighten bend the knees, such that the soles are flat below the hips."""
     relaxed: bool = True
     """Whether joints without an angle are where their springs are slack; if not, they are straight."""
-    held: tuple[str, ...] = ()
-    """Joints, likewise, that strength holds: without it, an infant leaves this pose."""
+    held: tuple[str, ...] = ()  # Joints, likewise, that strength holds: without it, an infant leaves this pose.
 
 
 _TRUNK = ("hip_*", "chest_*", "head_*")
@@ -138,8 +128,7 @@ POSES: Mapping[str, Pose] = {
 """What is the same at all ages in the poses of infants; `poses_of` adds the angles at which the rest of the body rests.
 Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
-SLUMPED = "slumped"
-"""How infants sit who cannot hold up trunk and head yet, among the poses of `data/postures.csv`."""
+SLUMPED = "slumped"  # How infants sit who cannot hold up trunk and head yet, among the poses of `data/postures.csv`.
 SLUMP_DEG: Mapping[str, float] = {"hip_bend1": 10.0, "hip_bend2": 10.0, "head_tilt": 18.0}
 """How much farther forward than in `sitting` a newborn's trunk and head are (D, by eye): its back is one curve."""
 SLUMP_MONTHS = (1.0, 4.0)
@@ -168,10 +157,8 @@ FREED, ALIKE = 2.0, 0.01
 """Share of the way to these angles, for each unit by which a child differs in proportion from the average child, beyond
 a difference that changes nothing. Fitted to P1 and P99 in length, weight and head, at 0, 6 and 24 months."""
 
-PITCH = "pitch"
-"""Rotation of the hip about y, among the angles of `data/postures.csv`."""
-CHEST_JOINT = "robot:chest_lean"
-"""One of the joints of bodies whose chest has some."""
+PITCH = "pitch"  # Rotation of the hip about y, among the angles of `data/postures.csv`.
+CHEST_JOINT = "robot:chest_lean"  # One of the joints of bodies whose chest has some.
 CONTACT_DEPTH_M = 1e-4
 """Penetration depth of a resting body, such that the first physics step already supports its weight."""
 
@@ -225,7 +212,7 @@ def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
         "robot:" + name.format(side=side): angle for name, angle in wanted.angles_deg.items() for side in SIDES
     }
     angles = {
-        name: deg_to_rad(clip(joint, named_deg.get(name, joint.springref_deg if wanted.relaxed else 0.0)))
+        name: math.radians(clip(joint, named_deg.get(name, joint.springref_deg if wanted.relaxed else 0.0)))
         for name, joint in tree.joints.items()
     }
     if wanted.on_feet:
@@ -253,8 +240,8 @@ def _on_foot(tree: BodyTree, side: str, angles: Mapping[str, float]) -> dict[str
     forward = -angles[hip]
     bent = forward + math.asin(max(-1.0, min(1.0, thigh_m / shank_m * math.sin(forward))))
     return {
-        knee: deg_to_rad(clip(tree.joints[knee], -rad_to_deg(bent))),
-        ankle: deg_to_rad(clip(tree.joints[ankle], rad_to_deg(bent - forward))),
+        knee: math.radians(clip(tree.joints[knee], -math.degrees(bent))),
+        ankle: math.radians(clip(tree.joints[ankle], math.degrees(bent - forward))),
     }
 
 
@@ -271,7 +258,7 @@ def resting_states(tree: BodyTree, wanted: Sequence[Pose]) -> list[tuple[float, 
     from the pitch of each pose.
     """
     poses_rad = [pose_angles(tree, start) for start in wanted]
-    rests = rollers(tree, poses_rad).rest(np.array([deg_to_rad(start.pitch_deg) for start in wanted]))
+    rests = rollers(tree, poses_rad).rest(np.array([math.radians(start.pitch_deg) for start in wanted]))
     return [
         (0.0, 0.0, height_m - CONTACT_DEPTH_M, *quaternion_from_axis((0.0, 1.0, 0.0), pitch_rad), *angles.values())
         for angles, (pitch_rad, height_m) in zip(poses_rad, rests, strict=True)

@@ -1,10 +1,11 @@
 """Provenance of each number of a body, as its entries in a bundle."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 from mimoc.anatomy.part import ReferencePart
 from mimoc.anatomy.published_figures import as_published
-from mimoc.base.units import deg_to_rad, m_to_cm
+from mimoc.base.units import m_to_cm
 from mimoc.body.grow import GrownBody
 from mimoc.body.joints import joint_origins
 from mimoc.body.origins import Entry, Origin
@@ -89,13 +90,13 @@ def _trace_geom(geom: Geom, size: Origin, pos: Origin, mass: Origin) -> dict[str
 def _trace_joint(joint: Joint, origins: Mapping[str, Origin]) -> dict[str, Entry]:
     low, high = joint.range_deg
     constants = {
-        "range": ((deg_to_rad(low), deg_to_rad(high)), "rad"),
+        "range": ((math.radians(low), math.radians(high)), "rad"),
         "stiffness": (joint.stiffness_nm_per_rad, "N m/rad"),
         "damping": (joint.damping_nms_per_rad, "N m s/rad"),
         "frictionloss": (joint.frictionloss_nm, "N m"),
         "armature": (joint.armature_kgm2, "kg m2"),
-        "springref": (deg_to_rad(joint.springref_deg), "rad"),
-        **({"margin": (deg_to_rad(joint.margin_deg), "rad")} if joint.margin_deg else {}),
+        "springref": (math.radians(joint.springref_deg), "rad"),
+        **{attribute: (value, "rad") for attribute, value in joint.settings},
     }
     at = _xml("joint", joint.name)
     return {

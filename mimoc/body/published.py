@@ -10,9 +10,8 @@ from functools import reduce
 from operator import or_
 from types import MappingProxyType
 
-from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part import PartKind
-from mimoc.anatomy.parts.five_finger import FINGERS, finger_dimensions
+from mimoc.anatomy.part import BodyGeometry, GeomShape, PartKind
+from mimoc.anatomy.parts.hands import FINGERS, finger_dimensions
 from mimoc.anatomy.published_figures import SIZES_M
 from mimoc.anatomy.sections import CLEARANCE_M
 from mimoc.anatomy.segments import REFERENCE_M, foot_half_height, hand_half_thickness, radius_of, share
@@ -20,10 +19,8 @@ from mimoc.base.errors import GeometryError
 from mimoc.base.geometry.rotations import Vec3
 from mimoc.fits import Measurements
 
-TINY_M = 1e-6
-"""Half length of the neck, a ball that nothing touches and that weighs nothing."""
-TIP = 0.45125
-"""By how much of its radius the straight part of a fingertip is shorter than half of the bone before it."""
+TINY_M = 1e-6  # Half length of the neck, a ball that nothing touches and that weighs nothing.
+TIP = 0.45125  # By how much of its radius the straight part of a fingertip is shorter than half of the bone before it.
 
 
 TRUNK_GEOMS: Mapping[str, tuple[float, float]] = {

@@ -17,9 +17,8 @@ from functools import reduce
 from operator import or_
 
 from mimoc.anatomy.anatomy import Anatomy
-from mimoc.anatomy.dimensions import BodyGeometry
-from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, Development, PartKind
-from mimoc.anatomy.parts.checking import check_dimensions
+from mimoc.anatomy.part import REFERENCE_AGE_MONTHS, BodyGeometry, Development, PartKind
+from mimoc.anatomy.parts import check_dimensions
 from mimoc.anatomy.segments import Proportions, proportions
 from mimoc.base.geometry.primitives import volume
 from mimoc.base.kinds import function_of
@@ -40,8 +39,7 @@ NEWBORN_KG, KG_PER_MONTH = 0.062, 0.0075
 
 It is the mean of two regressions, Sun & Jensen 1994 (.0522 + .00212 weeks) and Schneider & Zernicke 1992 (.0029 mass +
 1.24 length / 100 + 1.93 breadth / 100 - .1025; kg, cm), which are up to .08 kg apart."""
-PRECISION = 1e-12
-"""Of a relative height, so that no digit in a file depends on the search for it."""
+PRECISION = 1e-12  # Of a relative height, so that no digit in a file depends on the search for it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +50,12 @@ class Reference:
     volumes_m3: Mapping[str, float]
     """At which motors have MIMo's torques, by geom with `{side}`: of MIMo's geoms at 18 months; by the published law,
     of the reference body's, which are not quite those of that age."""
-    densities_kg_m3: Mapping[str, float]
-    """Likewise; 0 for geoms without mass."""
+    densities_kg_m3: Mapping[str, float]  # Likewise; 0 for geoms without mass.
     length_m: float
     age_months: float
     head_gain: float = 1.0
     """Mass of head and neck of the average child of that age by the law `maturing`, relative to the published law."""
-    foot_height: float = 1.0
-    """Height of its feet, likewise."""
+    foot_height: float = 1.0  # Height of its feet, likewise.
 
     def at(self, age_months: float) -> "Reference":
         """Return what children of another age are compared with."""

@@ -10,14 +10,12 @@ from types import MappingProxyType
 from typing import TypeVar
 
 from mimoc.anatomy.anatomy import Sided
-from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part import ALONG_X, ALONG_Y, ReferenceGeom, ReferencePart
+from mimoc.anatomy.part import ALONG_X, ALONG_Y, BodyGeometry, GeomShape, ReferenceGeom, ReferencePart
 from mimoc.anatomy.parts.head import maturing_head_dimensions
 from mimoc.anatomy.sections import room_beside
 from mimoc.anatomy.segments import proportions
 from mimoc.base.errors import GeometryError
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.base.units import deg_to_rad
 from mimoc.body.published import FORMULAS, published_dimensions
 from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
 from mimoc.fits import Measurements
@@ -78,7 +76,7 @@ def _clear_arms(dimensions: BodyGeometry, abduction_deg: float) -> BodyGeometry:
     )
     if room_m >= 0:
         return dimensions
-    outwards_m = -room_m / math.cos(deg_to_rad(abduction_deg))
+    outwards_m = -room_m / math.cos(math.radians(abduction_deg))
     return dimensions | BodyGeometry({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
@@ -118,13 +116,10 @@ def _times(vector: Vec3, scale: Vec3) -> Vec3:
 
 SIDES = ("", "right", "left")
 
-Factors = tuple[float, float]
-"""Factors on the length and the girth of a part."""
-Scales = Mapping[str, Factors]
-"""By the name of the body."""
+Factors = tuple[float, float]  # Factors on the length and the girth of a part.
+Scales = Mapping[str, Factors]  # By the name of the body.
 NO_SCALES: Scales = MappingProxyType({})
-Volumes = Mapping[str, float]
-"""In m³, by name of the geom with `{side}`."""
+Volumes = Mapping[str, float]  # In m³, by name of the geom with `{side}`.
 T = TypeVar("T")
 
 
@@ -132,15 +127,13 @@ T = TypeVar("T")
 class Shapes:
     """The shapes of a child's parts, by side: `right`, `left`, and empty for the middle."""
 
-    built: Mapping[str, BodyGeometry]
-    """As they are built, by the child's law of development."""
+    built: Mapping[str, BodyGeometry]  # As they are built, by the child's law of development.
     mimos_m3: Mapping[str, Volumes]
     """Of MIMo's solids with the child's measurements, by the growth law of the paper: only the published law builds
     them."""
     usual: BodyGeometry
     """As they would be built if the spec replaced no measurement and scaled no part, of the middle and both sides."""
-    usual_m3: Volumes
-    """Volumes of MIMo's solids then."""
+    usual_m3: Volumes  # Volumes of MIMo's solids then.
 
     def of_sides(self, function: Callable[[str], T]) -> dict[str, T]:
         """Return what a function returns for each side, called once if both sides are alike."""

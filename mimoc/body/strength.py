@@ -7,7 +7,7 @@ A motor's torque at full command is
 with MIMo's torque T_18 at 18 months, the volume v of the part that it moves and the standing height l, both relative to
 18 months, and the share r of its muscle group's strength that an infant of that age has; f is 1 but for the shoulder's
 horizontal flexion, the middle joints of fingers and newborns' fingers, and for individuals, of whose volume only the
-lean part is strong and whose age counts times their rate of maturation (`mimoc.body.composition`). The load of its
+lean part is strong and whose age counts times their rate of maturation (`mimoc.body.maturation`). The load of its
 joint grows by v l, so r and the lean share decide whether an infant can hold its own weight. Of the eyes, T = T_18 v
 l², in proportion to their inertia. By the published law, T = T_18 v.
 

@@ -17,18 +17,15 @@ from mimoc.body.maturation import FISTS, Decay
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, Origin
 from mimoc.body.tree import Motor, Tone
 
-TONE = Decay(2.5, 1.5)
-"""Flexor tone, shed over 2 to 4 months and gone by 6 (Amiel-Tison; Ballard 1991; M)."""
+TONE = Decay(2.5, 1.5)  # Flexor tone, shed over 2 to 4 months and gone by 6 (Amiel-Tison; Ballard 1991; M).
 
 
 @dataclass(frozen=True, slots=True)
 class NewbornTone:
     """Tone at birth, for a body of the size of 18 months."""
 
-    stiffness_nm_per_rad: float
-    """kappa W (D)."""
-    angle_deg: float
-    """q_0 (D)."""
+    stiffness_nm_per_rad: float  # kappa W (D).
+    angle_deg: float  # q_0 (D).
 
 
 _FINGERS = {"ff": 0.006, "mf": 0.012, "rf": 0.008, "lf": 0.002}

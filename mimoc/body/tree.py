@@ -2,14 +2,16 @@
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from mimoc.anatomy.part import Development, GeomType, ReferenceMotor, Region
 from mimoc.base.geometry.rotations import Vec3
+from mimoc.base.mujoco_layout import BODY_GROUP
 from mimoc.schema.quantities import Direction
 
-FREE_JOINT = "mimo_location"
-"""MIMo's name for the joint between the world and the hip."""
+FREE_JOINT = "mimo_location"  # MIMo's name for the joint between the world and the hip.
+
+Attributes = tuple[tuple[str, tuple[float, ...]], ...]  # Attributes in MJCF with their numbers.
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,20 +22,17 @@ class Geom:
     type: GeomType
     size_m: tuple[float, ...]
     """Size as in MuJoCo: radius, then half length; half axes of an ellipsoid, half edges of a box."""
-    pos_m: Vec3
-    """Centre, in the frame of its body."""
-    euler_deg: Vec3
-    """Intrinsic x-y-z angles in the frame of its body."""
+    pos_m: Vec3  # Centre, in the frame of its body.
+    euler_deg: Vec3  # Intrinsic x-y-z angles in the frame of its body.
     mass_kg: float
     friction: Vec3
     contype: int
     conaffinity: int
-    condim: int
-    """Contact dimension, 1, 3, 4 or 6: the relative motions that friction resists."""
+    condim: int  # Contact dimension, 1, 3, 4 or 6: the relative motions that friction resists.
     material: str = "skin"
-    grips: bool = False
-    """Whether its contacts are those of a hand that holds on."""
-    slippery: bool = False
+    settings: Attributes = ()  # Its other attributes in MJCF.
+    group: int = BODY_GROUP
+    """Group in which it is drawn: the body's, that of the solids under a skin, or 1 for what is only seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,18 +41,21 @@ class Joint:
 
     name: str
     axis: Vec3
-    anchor_m: Vec3
-    """Anchor, in the frame of its body."""
+    anchor_m: Vec3  # Anchor, in the frame of its body.
     range_deg: tuple[float, float]
     stiffness_nm_per_rad: float
     damping_nms_per_rad: float
     frictionloss_nm: float
     armature_kgm2: float
     springref_deg: float
-    margin_deg: float = 0.0
-    """How far before the ends of its range its limits act (`mimoc.body.limits`)."""
+    margin_deg: float = 0.0  # How far before the ends of its range its limits act (`mimoc.body.joints`).
     changes: tuple[tuple[str, str, str], ...] = ()
     """What an impairment has changed of it: attribute in MJCF, what is said of it, and the key of the spec."""
+
+    @property
+    def settings(self) -> tuple[tuple[str, float], ...]:
+        """Its other attributes in MJCF."""
+        return (("margin", math.radians(self.margin_deg)),) if self.margin_deg else ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,22 +63,16 @@ class Body:
     """A body part, which its joints connect to its parent."""
 
     name: str
-    parent: str | None
-    """Name of the parent; None for the hip, which is free in the world."""
-    pos_m: Vec3
-    """Origin, in the frame of its parent."""
-    euler_deg: Vec3
-    """Intrinsic x-y-z angles in the frame of its parent."""
+    parent: str | None  # Name of the parent; None for the hip, which is free in the world.
+    pos_m: Vec3  # Origin, in the frame of its parent.
+    euler_deg: Vec3  # Intrinsic x-y-z angles in the frame of its parent.
     joints: tuple[Joint, ...]
     geoms: tuple[Geom, ...]
-    region: Region
-    """Whether it is of the trunk, the head or a limb."""
-    group: str
-    """Muscle group that begins with it; empty is its parent's."""
+    region: Region  # Whether it is of the trunk, the head or a limb.
+    group: str  # Muscle group that begins with it; empty is its parent's.
     skin_spacing_m: float | None
     """Distance of neighbouring skin points at 18 months; None is a single point, at its front."""
-    torque_site: str
-    """Name of the site that measures the torque between it and its parent; empty is none."""
+    torque_site: str  # Name of the site that measures the torque between it and its parent; empty is none.
 
     @property
     def mass_kg(self) -> float:
@@ -88,12 +84,9 @@ class Body:
 class Tone:
     """The muscle tone of a joint of a quiet infant: a torque -k (q - q_0) within the strength of its motor."""
 
-    stiffness_nm_per_rad: float
-    """k."""
-    angle_deg: float
-    """q_0, beyond the posture that tone holds, since a flexor does not resist flexion."""
-    factors: tuple[tuple[str, float], ...] = ()
-    """Factors of the spec on k: the key of the spec, and its value."""
+    stiffness_nm_per_rad: float  # k.
+    angle_deg: float  # q_0, beyond the posture that tone holds, since a flexor does not resist flexion.
+    factors: tuple[tuple[str, float], ...] = ()  # Factors of the spec on k: the key of the spec, and its value.
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,14 +94,11 @@ class StretchReflex:
     """What a spastic muscle does when it is stretched: a torque against the speed of its joint."""
 
     joint: str
-    sign: int
-    """-1 for a torque towards negative angles, 1 for the other."""
-    slope_nms: float
-    """Torque by speed beyond the threshold."""
+    sign: int  # -1 for a torque towards negative angles, 1 for the other.
+    slope_nms: float  # Torque by speed beyond the threshold.
     threshold_rad_s: float
     most_nm: float
-    key: str
-    """Key of the spec that asks for it."""
+    key: str  # Key of the spec that asks for it.
     motor: str
 
     @property
@@ -122,10 +112,8 @@ class StretchReflex:
 class Motor(ReferenceMotor):
     """The motor of one joint of an infant, with the names of its side and the strength of its size and age."""
 
-    factors: tuple[tuple[str, float], ...] = ()
-    """Factors of the spec on the gear: the key of the spec, and its value."""
-    tone: Tone | None = None
-    """Its muscle tone; None if it has none, as by the published law."""
+    factors: tuple[tuple[str, float], ...] = ()  # Factors of the spec on the gear: the key of the spec, and its value.
+    tone: Tone | None = None  # Its muscle tone; None if it has none, as by the published law.
     fastest_rad_s: float | None = None
     """Speed of the joint at which it no longer pulls at full command; None by the published law."""
 
@@ -136,26 +124,20 @@ class Tendon:
 
     name: str
     range_rad: tuple[float, float]
-    coefficients: tuple[tuple[str, float], ...]
-    """Joints and their factors."""
+    coefficients: tuple[tuple[str, float], ...]  # Joints and their factors.
 
 
 @dataclass(frozen=True, slots=True)
 class MaturationFactors:
     """What a child's strength and joints mature with, besides its age."""
 
-    relative_length: float
-    """Standing height, relative to the average child of 18 months."""
+    relative_length: float  # Standing height, relative to the average child of 18 months.
     relative_volumes: Mapping[str, float]
     """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
-    head_gain: float
-    """Mass of head and neck, relative to the published law."""
-    mature_months: float
-    """Age of the average child that is as mature: the age times the rate of maturation."""
-    is_usual: bool = True
-    """Whether that is its own age."""
-    lean_gain: float = 1.0
-    """Lean share of the body, relative to the average child of the same age."""
+    head_gain: float  # Mass of head and neck, relative to the published law.
+    mature_months: float  # Age of the average child that is as mature: the age times the rate of maturation.
+    is_usual: bool = True  # Whether that is its own age.
+    lean_gain: float = 1.0  # Lean share of the body, relative to the average child of the same age.
     lean_keys: tuple[str, ...] = ()
     """Keys of the spec that the lean share follows from, where it is not the average child's."""
 
@@ -165,21 +147,15 @@ class BodyTree:
     """An infant's body, standing straight, hip at the origin, x forward, y left, z up."""
 
     age_months: float
-    hands: str
-    """Kind of its hands, even if they are removed, because feet differ too."""
-    bodies: tuple[Body, ...]
-    """Parents before children, in MIMo's order."""
+    hands: str  # Kind of its hands, even if they are removed, because feet differ too.
+    bodies: tuple[Body, ...]  # Parents before children, in MIMo's order.
     motors: tuple[Motor, ...]
     tendons: tuple[Tendon, ...]
-    excluded: tuple[tuple[str, str], ...]
-    """Pairs of bodies without contacts."""
-    frictionless: tuple[tuple[str, str], ...] = ()
-    """Pairs of geoms that slide on each other."""
-    extra: tuple[str, ...] = ()
-    """Kinds of parts that it has besides MIMo's."""
-    development: Development = "maturing"
-    """The law that strength, joints and proportions follow."""
-    growth: MaturationFactors | None = None
+    excluded: tuple[tuple[str, str], ...]  # Pairs of bodies without contacts.
+    frictionless: tuple[tuple[str, str], ...] = ()  # Pairs of geoms that slide on each other.
+    extra: tuple[str, ...] = ()  # Kinds of parts that it has besides MIMo's.
+    development: Development = "maturing"  # The law that strength, joints and proportions follow.
+    growth: MaturationFactors | None = field(default=None, hash=False)
     """What the law `maturing` made of the body; None by the published law."""
     reflexes: tuple[StretchReflex, ...] = ()
     acuity: tuple[tuple[str, float], ...] = ()
@@ -189,8 +165,7 @@ class BodyTree:
     reach where nothing is said."""
     merged: tuple[tuple[str, str], ...] = ()
     """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
-    clothes: str = "shirt_and_trousers"
-    """What its skin wears (`mimoc/schema/looks.py`)."""
+    clothes: str = "shirt_and_trousers"  # What its skin wears (`mimoc/schema/body.py`).
 
     def home(self, part: str) -> str:
         """Return the body that has a part's geoms: the one of that name, or the one it is merged into."""
@@ -228,6 +203,18 @@ class BodyTree:
     def mass_kg(self) -> float:
         """Mass of the whole infant."""
         return math.fsum(body.mass_kg for body in self.bodies)
+
+
+def mirror(vector: Vec3, left: bool) -> Vec3:
+    """Return a position, mirrored in y for the left side."""
+    x, y, z = vector
+    return (x, -y, z) if left else vector
+
+
+def mirror_turn(vector: Vec3, left: bool) -> Vec3:
+    """Return an axis or Euler angles, mirrored in y: rotations about x and z change sign, about y they do not."""
+    x, y, z = vector
+    return (-x, y, -z) if left else vector
 
 
 def remove_parts(tree: BodyTree, names: Collection[str]) -> BodyTree:

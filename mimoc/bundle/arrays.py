@@ -12,16 +12,12 @@ import numpy.typing as npt
 
 from mimoc.base.errors import BundleError
 
-ARRAYS = "arrays.npz"
-"""Path in the bundle; a bundle without arrays has no such file."""
+ARRAYS = "arrays.npz"  # Path in the bundle; a bundle without arrays has no such file.
 SUFFIX = ".npy"
-FIRST_DATE = (1980, 1, 1, 0, 0, 0)
-"""The earliest that a ZIP archive can hold: a build has no date."""
+FIRST_DATE = (1980, 1, 1, 0, 0, 0)  # The earliest that a ZIP archive can hold: a build has no date.
 UNIX = 3
-READABLE = 0o644 << 16
-"""System and permissions in the archive, which Python would take from where it runs."""
-NUMBERS = "biuf"
-"""Kinds of `numpy.dtype` that arrays may have: no objects, no text."""
+READABLE = 0o644 << 16  # System and permissions in the archive, which Python would take from where it runs.
+NUMBERS = "biuf"  # Kinds of `numpy.dtype` that arrays may have: no objects, no text.
 
 Array = npt.NDArray[Any]
 

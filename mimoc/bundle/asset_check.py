@@ -9,16 +9,11 @@ import numpy as np
 from mimoc.base.errors import BundleError
 from mimoc.bundle.regular_files import UnusableFileError
 
-MOST_SIDE_PX = 4096
-"""Pixels along a side of a picture; those of infants have 512 at most."""
-MOST_PIXELS = 2**26
-"""Pixels of all pictures of a bundle, which take three bytes each once they are decoded."""
-MOST_FACES = 20_000
-"""Triangles of a mesh; toys have at most 5,000."""
-MOST_MESH_BYTES = 10 * 2**20
-"""Of all meshes of a bundle together; fifty toys of 5,000 triangles each have 8 MB."""
-MOST_VERTICES = 200_000
-"""Vertices of all skins of a bundle; an infant has 7,500."""
+MOST_SIDE_PX = 4096  # Pixels along a side of a picture; those of infants have 512 at most.
+MOST_PIXELS = 2**26  # Pixels of all pictures of a bundle, which take three bytes each once they are decoded.
+MOST_FACES = 20_000  # Triangles of a mesh; toys have at most 5,000.
+MOST_MESH_BYTES = 10 * 2**20  # Of all meshes of a bundle together; fifty toys of 5,000 triangles each have 8 MB.
+MOST_VERTICES = 200_000  # Vertices of all skins of a bundle; an infant has 7,500.
 SURELY_SMALL = 2**16
 """Bytes of a picture that need not be tried: Deflate's ratio is at most 1032, so that they unpack to 64 MB at most, and
 MuJoCo refuses the first one that is larger than it says."""
@@ -26,10 +21,8 @@ MuJoCo refuses the first one that is larger than it says."""
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _CHUNKS = (b"IHDR", b"PLTE", b"tRNS", b"IDAT", b"IEND")
 """Chunks that mimoc writes; others can have compressed texts inside."""
-_CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
-"""Numbers of a pixel by colour type (PNG specification, table 11.1)."""
-_NAME_BYTES = 40
-"""The name of a bone in MuJoCo's files of skins."""
+_CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}  # Numbers of a pixel by colour type (PNG specification, table 11.1).
+_NAME_BYTES = 40  # The name of a bone in MuJoCo's files of skins.
 
 
 def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> None:
@@ -88,7 +81,6 @@ def _chunks(content: bytes, is_ours: bool) -> list[bytes]:
 
 
 def _mesh_bytes(content: bytes) -> int:
-    """Return the size of an OBJ of vertices and triangles."""
     if content.translate(None, b"0123456789-+.e \nvf") or content[:2] != b"v ":
         raise UnusableFileError("it is not an OBJ of vertices and triangles alone")
     if content.count(b"f") > MOST_FACES or content.count(b"v") > MOST_FACES:

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import BundleError
-from mimoc.base.geometry.face_steps import Steps, stepped
+from mimoc.base.geometry.meshes import Steps, stepped
 from mimoc.bundle.arrays import Array
 from mimoc.bundle.manifest import FaceEntry
 

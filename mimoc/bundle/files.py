@@ -18,8 +18,7 @@ from pathlib import Path
 from mimoc.base.errors import OutputError
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 
-PAGES = (".html", ".htm")
-"""What the name of a page ends in."""
+PAGES = (".html", ".htm")  # What the name of a page ends in.
 _PREFIX, _SUFFIX = ".mimoc-", ".tmp"
 
 

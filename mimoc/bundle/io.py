@@ -32,8 +32,7 @@ from mimoc.bundle.regular_files import (
 class LazyFiles(Mapping[str, bytes]):
     """Content by path, made when it is first asked for."""
 
-    arrays: Mapping[str, Array]
-    """What the file of the large arrays holds, read-only, rounded as it is in the file."""
+    arrays: Mapping[str, Array]  # What the file of the large arrays holds, read-only, rounded as it is in the file.
     make: Callable[[], Mapping[str, bytes]]
 
     def __getitem__(self, path: str) -> bytes:
@@ -61,10 +60,8 @@ class HasFiles(Protocol):
 
 Read = TypeVar("Read")
 MANIFEST, LOCK = "manifest.json", "lock.json"
-SHARED = "assets/"
-"""Where the files of a bundle are that other infants have as well: pictures and meshes."""
-MAX_LOCK_BYTES = 2**22
-"""Upper bound of a lock's size; real ones are far smaller."""
+SHARED = "assets/"  # Where the files of a bundle are that other infants have as well: pictures and meshes.
+MAX_LOCK_BYTES = 2**22  # Upper bound of a lock's size; real ones are far smaller.
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -110,7 +107,6 @@ class Bundle:
         return f"Bundle({who}, {len(self.files)} files, {size_kb:.0f} kB{at})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Support copying and pickling, which the read-only mapping does not by itself."""
         return _bundle, (dict(self.files), self.manifest, self.path)
 
 
@@ -306,7 +302,6 @@ def _read_files(folder: Path, opened: RegularFiles) -> tuple[bytes, dict[str, by
 
 
 def _locked_files(content: bytes) -> dict[str, str] | None:
-    """Return the digests of the files that a lock lists, or None if it is not a valid lock."""
     try:
         lock: Any = json.loads(content)
         files = lock["files"]

@@ -7,17 +7,13 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StringConstraints, ValidationError, model_validator
 
 from mimoc.base.errors import BundleError
-from mimoc.base.kinds import Kinds
+from mimoc.base.kinds import Registry
 from mimoc.base.units import to_steps
 from mimoc.bundle.regular_files import problems_in
 from mimoc.schema.actuation import ActuationEntry
-from mimoc.schema.base import Model, omitting
+from mimoc.schema.base import Model, composed, omitting
+from mimoc.schema.body import Clothes
 from mimoc.schema.caregiver import CaregiverEntry
-from mimoc.schema.components.actuation import ACTUATIONS
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.composition import composed
-from mimoc.schema.delays import DelayEntry, DelaysEntry
 from mimoc.schema.entries import (
     Amount,
     Body,
@@ -34,13 +30,11 @@ from mimoc.schema.entries import (
     Skin,
     WeldName,
 )
-from mimoc.schema.looks import Clothes
-from mimoc.schema.noise import NoiseEntry
-from mimoc.schema.object_base import ObjectEntry
+from mimoc.schema.kinds import ACTUATIONS, SENSES, TASKS
+from mimoc.schema.objects import ObjectEntry
 from mimoc.schema.plugins import load_plugins
-from mimoc.schema.senses import SensesEntry
-from mimoc.schema.task import no_task, task_entry_field
-from mimoc.schema.task_base import TaskEntry
+from mimoc.schema.senses import DelayEntry, DelaysEntry, NoiseEntry, SensesEntry
+from mimoc.schema.task import TaskEntry, no_task, task_entry_field
 
 MANIFEST_VERSION = 2
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""
@@ -293,8 +287,7 @@ class Manifest(Model):
 
 
 MANIFEST = "manifest.json"
-MOST_MANIFEST_BYTES = 2**22
-"""4 MB; a room with fifty toys and an infant with ten fingers have 56 kB."""
+MOST_MANIFEST_BYTES = 2**22  # 4 MB; a room with fifty toys and an infant with ten fingers have 56 kB.
 
 
 def to_data(manifest: Manifest) -> dict[str, Any]:
@@ -303,7 +296,7 @@ def to_data(manifest: Manifest) -> dict[str, Any]:
     So a bundle can be read where that sense is unknown.
     """
     data = manifest.model_dump()
-    left_out = {name for name in SENSES if SENSES.distribution(name) != "mimoc" or SENSES[name].is_recent}
+    left_out = {name for name in SENSES if SENSES.distribution(name) != "mimoc" or SENSES[name].omit_if_absent}
     unused = {name for name in left_out if data["senses"][name] is None}
     for section in ("senses", "delays"):
         data[section] = {name: entry for name, entry in data[section].items() if name not in unused}
@@ -330,10 +323,9 @@ def read_manifest(content: bytes) -> Manifest:
         raise BundleError(f"{MANIFEST}: {problems_in(error)}; build it again") from None
 
 
-RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
+RUNNING: Mapping[str, Registry[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
 """The kinds of things that a bundle runs, by the section that a manifest names them in."""
-BUILDING = ("scenes", "toys", "objects", "parts")
-"""Those that it is only built from."""
+BUILDING = ("scenes", "toys", "objects", "parts")  # Those that it is only built from.
 
 
 def check_plugins(manifest: Any) -> None:

@@ -36,12 +36,10 @@ def _are_short(values: Sequence[str], joined: str, longest: int) -> bool:
 
 
 DIGITS = frozenset("0123456789-+.e ")
-LARGE = re.compile(r"e(?:\+?0*[1-9][0-9]|-[0-9]{4})")
-"""Exponents above 9."""
+LARGE = re.compile(r"e(?:\+?0*[1-9][0-9]|-[0-9]{4})")  # Exponents above 9.
 
 
 def _are_numbers(values: Sequence[str]) -> bool:
-    """Return whether each is one number or several; MuJoCo knows how many there must be."""
     text = " ".join(values)
     return DIGITS.issuperset(text) and not LARGE.search(text) and _are_short(values, text, 100_000)
 
@@ -132,8 +130,7 @@ ELEMENTS: Mapping[str, Mapping[str, Values]] = {
 }
 """What the values of each attribute of each element may be."""
 
-REFERRING = {"texture", "mesh", "skin"}
-"""Elements that refer to files, besides the one `include`."""
+REFERRING = {"texture", "mesh", "skin"}  # Elements that refer to files, besides the one `include`.
 
 MOST: Mapping[str, int] = {
     "include": 1,
@@ -154,10 +151,8 @@ MOST: Mapping[str, int] = {
 """How many there may be of some elements; a room with fifty toys and an infant with ten fingers have half as many at
 most."""
 MOST_ELEMENTS = 20_000
-MOST_BYTES = 2**23
-"""Of one file; those of that room have 0.6 MB."""
-MOST_DEPTH = 64
-"""Elements within each other; in an infant with ten fingers 14."""
+MOST_BYTES = 2**23  # Of one file; those of that room have 0.6 MB.
+MOST_DEPTH = 64  # Elements within each other; in an infant with ten fingers 14.
 
 
 _BEYOND_ELEMENTS = re.compile(rb"<[!?]|&#|>\s*+[^<\s]")

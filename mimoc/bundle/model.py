@@ -13,26 +13,24 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import BundleError, ModelError, UnknownNameError
+from mimoc.base.geometry.primitives import Extents, Kind, extents
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.asset_check import check_assets
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.mjcf_check import read_mjcf
 from mimoc.bundle.regular_files import first_of
-from mimoc.schema.base import Model
-from mimoc.schema.composition import on_recompose
+from mimoc.schema.base import Model, on_recompose
 from mimoc.schema.entries import NameOf
 
 Named = TypeVar("Named", bound=Model)
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
-MOST_CONTACTS = 1500
-"""At the start of an episode; an infant with ten fingers and fifty toys in a room have 150."""
+MOST_CONTACTS = 1500  # At the start of an episode; an infant with ten fingers and fifty toys in a room have 150.
 TOUCH_M = 1.5e-4
 """How deep in each other things are that only touch: MuJoCo's contacts are soft, and poses are made with 1e-4 m."""
-NOT_MJCF = (".json", ".yaml", ".md", ".npz")
-"""Endings of the files of a bundle that are not MuJoCo's."""
+NOT_MJCF = (".json", ".yaml", ".md", ".npz")  # Endings of the files of a bundle that are not MuJoCo's.
 _WARNINGS = mujoco.mjtWarning
 BREAKDOWNS = tuple(map(int, (_WARNINGS.mjWARN_BADQPOS, _WARNINGS.mjWARN_BADQVEL, _WARNINGS.mjWARN_BADQACC)))
 """MuJoCo's warnings that mean the simulation has become unstable."""
@@ -171,8 +169,7 @@ def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.b
     return is_inside
 
 
-_SHOWN = 5
-"""Most problems that an error tells of."""
+_SHOWN = 5  # Most problems that an error tells of.
 INFANT, SCENE = "infant.xml", "scene.xml"
 """The MJCF of a bundle; the second includes the first, or is complete by itself."""
 
@@ -316,3 +313,49 @@ def pose_of(manifest: Manifest, pose: str | None) -> str:
     what = "pose for an infant with held bodies or locked joints" if kept else "pose"
     what = "pose that is free of this infant's objects" if manifest.objects and not kept else what
     raise UnknownNameError(what, str(pose), manifest.poses)
+
+
+PRIMITIVES: Mapping[int, Kind] = {
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
+}
+"""Kinds of primitives by MuJoCo's geom type."""
+
+
+def solid_extents(model: mujoco.MjModel, geoms: npt.NDArray[np.intp]) -> Extents:
+    """Return how far some geoms reach from their centres, from their indices, shape (n,)."""
+    return extents((PRIMITIVES[model.geom_type[geom]], model.geom_size[geom]) for geom in geoms)
+
+
+FloatArray = npt.NDArray[np.float64]
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION  # What of a simulation it contains.
+
+
+def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
+    """Return the state of a simulation, shape (n,)."""
+    physics = np.empty(mujoco.mj_stateSize(model, STATE))
+    mujoco.mj_getState(model, data, physics, STATE)
+    return physics
+
+
+def time_of(physics: FloatArray) -> float:
+    """Return the time of a state [s], which MuJoCo writes first."""
+    return float(physics[0])
+
+
+def check_physics(physics: FloatArray, model: mujoco.MjModel) -> None:
+    """Check that a state has the size of those of a model; raise a ValueError if it has not."""
+    if np.shape(physics) != (mujoco.mj_stateSize(model, STATE),):
+        raise ValueError("state does not fit this infant: the size of its model's state is different")
+
+
+def set_physics(model: mujoco.MjModel, data: mujoco.MjData, physics: FloatArray) -> None:
+    """Restore a state, with all that is derived from it."""
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_setState(model, data, physics, STATE)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_setState(model, data, physics, STATE)  # The solver's warm start, as it was.

@@ -15,22 +15,17 @@ from typing import Any
 
 from mimoc.base.errors import BundleError
 
-Entry = dict[str, Any]
-"""Value, rule, data and sources of a number."""
-Entries = Mapping[str, Mapping[str, Any]]
-"""Value, rule, data and sources of each number, by key."""
+Entry = dict[str, Any]  # Value, rule, data and sources of a number.
+Entries = Mapping[str, Mapping[str, Any]]  # Value, rule, data and sources of each number, by key.
 PROVENANCE = "provenance.json"
 MOST_FOLLOWED = 8
 """Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
-MOST_EXPLAINED = 100_000
-"""Numbers that one explanation can consist of."""
+MOST_EXPLAINED = 100_000  # Numbers that one explanation can consist of.
 NUMBERS, ORIGINS, PHRASES, SOURCES = "numbers", "origins", "phrases", "sources"
-ALONE = ("fit", "points")
-"""What hardly two numbers share."""
+ALONE = ("fit", "points")  # What hardly two numbers share.
 MOST_UNPACKED = 50_000_000
 """Characters and keys that all numbers can have together; the largest bundles have a twentieth of this."""
-BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")
-"""Factors are what most rules differ in."""
+BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")  # Factors are what most rules differ in.
 
 
 def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
@@ -54,15 +49,13 @@ def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
 
 
 def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
-    """Return the provenance of numbers, by key, from what is written; older bundles have it as it is.
+    """Return the provenance of numbers, by key, from what is written.
 
     Raises:
         ValueError: If it would be far larger than any. What is written may also lack what it refers to.
     """
-    if NUMBERS not in written:
-        return dict(written)
     phrases, sources = written[PHRASES], written[SOURCES]
-    numbers = _numbers(written[NUMBERS], written[ORIGINS]) if ORIGINS in written else written[NUMBERS]
+    numbers = _numbers(written[NUMBERS], written[ORIGINS])
     if _size(numbers.values(), phrases, sources) > MOST_UNPACKED:
         raise ValueError("more text than any infant needs")
     read: dict[str, Callable[[Any, str], Any]] = {
@@ -86,7 +79,6 @@ def _numbers(written: Mapping[str, Mapping[str, Any]], origins: Sequence[Entry])
 
 
 def _size(numbers: Iterable[Entry], phrases: Sequence[str], sources: Sequence[Any]) -> int:
-    """Return how many characters and keys it takes to write each number by itself."""
     size = 0
     for entry in numbers:
         size += sum(len(phrases[part]) for part in entry["rule"])
@@ -96,7 +88,6 @@ def _size(numbers: Iterable[Entry], phrases: Sequence[str], sources: Sequence[An
 
 
 def _index(indices: dict[Any, int], value: Any) -> int:
-    """Return the index of a value among those that were asked for so far, to which it is added."""
     return indices.setdefault(value, len(indices))
 
 

@@ -12,19 +12,15 @@ from pydantic import ValidationError
 
 from mimoc.schema.base import Model
 
-MOST_BYTES = 2**26
-"""Of one file; 64 MB."""
-MOST_BYTES_IN_ALL = 2**27
-"""Of all files of a bundle, of which infants with the densest skin have a tenth."""
+MOST_BYTES = 2**26  # Of one file; 64 MB.
+MOST_BYTES_IN_ALL = 2**27  # Of all files of a bundle, of which infants with the densest skin have a tenth.
 MOST_FILES = 4096
 MOST_NESTED = 8
 
 _TOP = PurePosixPath(".")
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
-_LINK = (errno.ELOOP, errno.EMLINK)
-"""Errors of opening a file that is a link."""
-_LINK_MET = (*_LINK, errno.ENOTDIR)
-"""Errors of opening a file or, the last, a folder that is a link."""
+_LINK = (errno.ELOOP, errno.EMLINK)  # Errors of opening a file that is a link.
+_LINK_MET = (*_LINK, errno.ENOTDIR)  # Errors of opening a file or, the last, a folder that is a link.
 _LINK_TEXT = "is a link, which mimoc never writes"
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
@@ -154,7 +150,6 @@ def _content(file: BinaryIO) -> bytes:
 
 
 def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> BinaryIO:
-    """Return a file opened for reading; of a folder, Python raises an OSError."""
     file = open(name, "rb", opener=lambda path, flags: os.open(path, flags | _FILE, dir_fd=folder))  # noqa: SIM115
     status = os.fstat(file.fileno())
     if stat.S_ISREG(status.st_mode) and status.st_size <= most_bytes:
@@ -164,8 +159,7 @@ def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> Binar
     raise UnusableFileError("is larger than those of any infant" if is_file else "is not a regular file")
 
 
-MOST_JSON_BYTES = 2**22
-"""Of a file, unless its reader knows better; 4 MB."""
+MOST_JSON_BYTES = 2**22  # Of a file, unless its reader knows better; 4 MB.
 _SHOWN = 3
 
 Data = TypeVar("Data", bound=Model)

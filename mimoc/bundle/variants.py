@@ -19,8 +19,7 @@ class Variant:
     """An infant at some age in some scene."""
 
     bundle: Bundle
-    bare: mujoco.MjModel
-    """Its model, which belongs to whoever asked for it and may be changed."""
+    bare: mujoco.MjModel  # Its model, which belongs to whoever asked for it and may be changed.
     _dress: Callable[[mujoco.MjModel], None] | None = None
     """Writes the skin of this age into the model, if that has still that of another one."""
 

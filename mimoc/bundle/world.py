@@ -19,13 +19,11 @@ from mimoc.bundle.regular_files import problems_in
 from mimoc.schema.base import Model, omitting
 from mimoc.schema.caregiver import CaregiverEntry
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
-from mimoc.schema.object_base import ObjectEntry
+from mimoc.schema.objects import ObjectEntry
 from mimoc.schema.world import MOST_INFANTS
 
-INFANTS = "infants"
-"""Folder with a folder for each infant, by its name."""
-START = "start"
-"""Keyframe in which all infants are in the poses that their specs give."""
+INFANTS = "infants"  # Folder with a folder for each infant, by its name.
+START = "start"  # Keyframe in which all infants are in the poses that their specs give.
 
 
 class WorldManifest(Model):
@@ -86,7 +84,6 @@ class WorldBundle:
         return f"WorldBundle({self.manifest.name!r}, {', '.join(self.infants)})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Support copying and pickling, which read-only mappings do not by themselves."""
         manifests = {name: bundle.manifest for name, bundle in self.infants.items()}
         return world_bundle, (dict(self.files), self.manifest, manifests, self.path)
 

@@ -1,4 +1,4 @@
-"""The `mimoc` command line: one thin module per command."""
+"""The `mimoc` command line: its commands by theme."""
 
 from mimoc.cli.entry import main
 

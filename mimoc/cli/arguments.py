@@ -12,6 +12,7 @@ from mimoc.base.errors import BundleError, MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
+    from mimoc.bundle.world import WorldBundle
     from mimoc.policies.policy import PolicyMaker
     from mimoc.schema.infant import InfantSpec
 
@@ -50,6 +51,10 @@ Beside = Annotated[
     str | None,
     typer.Option(metavar="healthy", help="Put the same child without what impairs it beside the one of the spec."),
 ]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")]
+Eyes = Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")]
+VideoHeight = Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
 
 
 def load_spec(path: Path) -> "InfantSpec":
@@ -80,6 +85,20 @@ def load_infant(path: Path) -> "Bundle":
         return pipeline.build(spec, progress=show)
 
 
+def find_world(path: Path, scene_seed: int | None = None, **refused: object) -> "WorldBundle | None":
+    """Return the world of several infants in a folder, or built from a file; None if there is something else.
+
+    The options *refused* are for single infants, by name, as they were given.
+    """
+    from mimoc.compiler.worlds import world_of
+
+    world = world_of(path, scene_seed)
+    for name, given in refused.items() if world else ():
+        if given is not None and given is not False:
+            raise MimocError(f"--{name} is for a single infant, and this is a world with several; leave it out")
+    return world
+
+
 def load_counterpart(path: Path, beside: str) -> "InfantSpec":
     """Return the child that stands beside the one of a spec or of a bundle, such as the `healthy` one."""
     from mimoc.compiler.provenance import SPEC_FILE
@@ -93,19 +112,19 @@ def load_counterpart(path: Path, beside: str) -> "InfantSpec":
 
 def load_trained(path: str) -> "PolicyMaker":
     """Return the trained policy in a file; PyTorch is only imported when there is one."""
-    from mimoc.training.loading import load_policy
+    from mimoc.training.evaluation import load_policy
 
     return load_policy(path)
 
 
 def check_video(video: Path | None, eyes: bool) -> None:
     """Raise a MimocError if a video cannot be made, or there is none to show eyes in."""
-    from mimoc import recording
+    from mimoc.recording import video as videos
 
     if eyes and not video:
         raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
     if video:
-        recording.check_video(video)
+        videos.check_video(video)
 
 
 def import_object(name: str) -> Any:

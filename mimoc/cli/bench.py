@@ -80,7 +80,7 @@ def bench(
         for path in write_specs(specs, _names(tasks), _months(ages)):
             print(printable(path))
     elif table:
-        from mimoc.studies.bench.results import markdown_tables, read_results
+        from mimoc.studies.bench.scores import markdown_tables, read_results
 
         print(printable(markdown_tables([read_results(path) for path in table])))
     elif verify:
@@ -113,13 +113,13 @@ def _enter(
     with console.progress("scoring") as show, resumable():
         results = run_bench(policy, out, **chosen, episodes=episodes, progress=show)
     headings = ("task", "months", "success", "95 %", "return", "effort", "arc length", "jerk", "likeness")
-    table = console.new_table(*headings, title=printable(f"{results.policy} in {results.benchmark}"))
+    rows = []
     for cell, scores in results.scored.items():
         interval = "-".join(f"{end:.2f}" for end in scores.success_95 or ())
         means = (scores.mean_return, scores.effort, scores.arc_length, scores.jerk, scores.likeness)
         numbers = ["" if value is None else readable(value) for value in (scores.success, *means)]
-        table.add_row(cell.task, f"{cell.age_months:g}", numbers[0], interval, *numbers[1:])
-    console.open_console().print(table)
+        rows.append((cell.task, f"{cell.age_months:g}", numbers[0], interval, *numbers[1:]))
+    console.print_table(headings, rows, title=printable(f"{results.policy} in {results.benchmark}"))
     print(printable(out))
 
 
@@ -157,14 +157,13 @@ def _print_tasks() -> None:
     from mimoc.studies.bench.table import bench_table
 
     benchmark = bench_table()
-    table = console.new_table("task", "months", "episodes", "what to do", title=benchmark.benchmark, left=4)
-    for name, task in benchmark.tasks.items():
-        ages = ", ".join(f"{age:g}" for age in task.ages_months)
-        table.add_row(name, ages, str(task.episodes or benchmark.episodes), task.about)
-    opened = console.open_console()
-    opened.print(table)
+    rows = (
+        (name, ", ".join(f"{age:g}" for age in task.ages_months), str(task.episodes or benchmark.episodes), task.about)
+        for name, task in benchmark.tasks.items()
+    )
+    console.print_table(("task", "months", "episodes", "what to do"), rows, title=benchmark.benchmark, left=4)
     for what, (first, end) in (("practice", benchmark.seeds.practice), ("test", benchmark.seeds.test)):
-        opened.print(f"{what} seeds: {first} to {end - 1}")
+        console.print_line(f"{what} seeds: {first} to {end - 1}")
 
 
 def _names(text: str | None) -> list[str] | None:
@@ -172,12 +171,12 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _months(text: str | None) -> list[float] | None:
-    from mimoc.components.senses.vision.build_comparison import read_ages
+    from mimoc.components.senses.vision.comparison import read_ages
 
     return None if text is None else list(read_ages(text))
 
 
 def _cores() -> int:
-    from mimoc.runtime.batch.physics import usable_threads
+    from mimoc.runtime.batch.batch import usable_threads
 
     return usable_threads()

@@ -1,13 +1,16 @@
 """`mimoc build`, `mimoc check` and `mimoc explain`: what is made of specs, and what is in it."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mimoc.cli import worlds
-from mimoc.cli.arguments import InfantPath, SpecPath, load_infant, load_spec
+from mimoc.cli.arguments import InfantPath, SpecPath, find_world, load_infant, load_spec
 from mimoc.cli.terminal import FAILED_CHECK, printable
+
+if TYPE_CHECKING:
+    from mimoc.bundle.manifest import Manifest
+    from mimoc.bundle.world import WorldManifest
 
 
 def build(
@@ -28,16 +31,25 @@ def build(
     from mimoc.compiler.building import builder
     from mimoc.compiler.provenance import who_percentiles
 
-    if world := worlds.find_world(spec, seed, **{"for": target}):
-        worlds.write(world, out, force=force)
+    if world := find_world(spec, seed, **{"for": target}):
+        written = write_bundle(world, out, force=force)
+        for one in world.infants.values():
+            console.print_child(one.manifest, who_percentiles(one.manifest.child))
+        _print_scene(world.manifest, written)
         return
     infant = load_spec(spec)
     with console.progress("building") as show:
         built = builder(infant, target).watched(show)(infant.scene.seed if seed is None else seed)
     written = write_bundle(built, out, force=force)
     console.print_child(built.manifest, who_percentiles(built.manifest.child))
-    console.print_toys(built.manifest)
-    print(printable(f"{written}: open {written / built.manifest.scene} with MuJoCo, or try: mimoc run {written}"))
+    _print_scene(built.manifest, written)
+
+
+def _print_scene(manifest: "Manifest | WorldManifest", folder: Path) -> None:
+    from mimoc.cli import console
+
+    console.print_toys(manifest)
+    print(printable(f"{folder}: open {folder / manifest.scene} with MuJoCo, or try: mimoc run {folder}"))
 
 
 def check(infant: InfantPath) -> None:
@@ -47,10 +59,14 @@ def check(infant: InfantPath) -> None:
     commands, which drive all joints to and fro at full strength and switch direction every 50 to 100 ms.
     """
     from mimoc.cli import console
-    from mimoc.runtime.check import check_stability
+    from mimoc.runtime.check import check_stability, check_world
 
-    if world := worlds.find_world(infant):
-        worlds.check(world)
+    if world := find_world(infant):
+        print(f"ok     all {len(world.files)} files {'are unchanged' if world.path else 'of the world compile'}")
+        trial = check_world(world)
+        console.print_check(trial)
+        if not trial.passed:
+            raise typer.Exit(FAILED_CHECK)
         return
     bundle = load_infant(infant)
     if bundle.path:
@@ -83,7 +99,7 @@ def explain(
     from mimoc.cli import console
     from mimoc.compiler.explain import contents, explain, find, legend
 
-    bundle = worlds.find_world(infant) or load_infant(infant)
+    bundle = find_world(infant) or load_infant(infant)
     if key is None:
         console.print_contents(contents(bundle))
         return

@@ -7,10 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import mimoc
+from mimoc.base.errors import counted
+from mimoc.base.rounding import readable
+from mimoc.cli.arguments import AsJson
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
-    from mimoc.studies.cohorts import Status
+    from mimoc.studies.cohorts.cohort import Status
+    from mimoc.studies.cohorts.milestones import MilestoneSummary
+    from mimoc.studies.cohorts.plan import Plan, StepPlan
 
 app = typer.Typer(
     name="cohort",
@@ -37,12 +42,12 @@ CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which 
 @app.command(epilog="Example:  mimoc cohort plan spring.yaml -o out/spring")
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
-    from mimoc.cli import console, tables
+    from mimoc.cli import console
     from mimoc.studies.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
         estimate = planned(mimoc.read_cohort(cohort), out, show)
-    tables.print_plan(estimate)
+    _print_plan(estimate)
 
 
 @app.command(epilog="Example:  mimoc cohort run spring.yaml -o out/spring")
@@ -96,9 +101,7 @@ def retry(
 @app.command(epilog="Example:  mimoc cohort status spring.yaml -o out/spring")
 def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
-    from mimoc.cli import tables
-
-    tables.print_status(mimoc.read_cohort(cohort).status(out))
+    _print_status(mimoc.read_cohort(cohort).status(out))
 
 
 @app.command(epilog="Example:  mimoc cohort table spring.yaml -o out/spring")
@@ -117,16 +120,16 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
 def milestones(
     cohort: CohortPath,
     out: Out,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Say when the children reach milestones, beside WHO's children, and whether the heavy and the fat are late."""
-    from mimoc.cli import console, tables
+    from mimoc.cli import console
     from mimoc.studies.cohorts.milestones import milestone_summary
 
     study = mimoc.read_cohort(cohort)
     with console.progress("reading results") as show:
         summary = milestone_summary(study.rows(out, progress=show))
-    print(json.dumps(summary.to_data(), indent=1)) if as_json else tables.print_milestone_summary(summary)
+    print(json.dumps(summary.to_data(), indent=1)) if as_json else _print_milestones(summary)
 
 
 def _given(**options: Any) -> dict[str, Any]:
@@ -135,10 +138,79 @@ def _given(**options: Any) -> dict[str, Any]:
 
 def _end(status: "Status", cohort: Path, out: Path) -> None:
     """Print what became of the jobs, and what to do next; the exit code is 1 if some have failed."""
-    from mimoc.cli import tables
-
-    tables.print_status(status)
+    _print_status(status)
     if status.failures:
         print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
         raise typer.Exit(FAILED_CHECK)
     print(printable(f"{out}: gather the table with: mimoc cohort table {cohort} -o {out}"))
+
+
+def _print_plan(plan: "Plan") -> None:
+    from mimoc.base.quantities.child import JOB_SIZE, JOB_TIME, TIME_LEFT
+    from mimoc.cli.console import print_line, print_table
+
+    headings = ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading)
+    rows = (_plan_row(step, plan.processes) for step in plan.steps)
+    print_table(headings, rows, title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}")
+    more = "at least " if any(step.at_least for step in plan.steps) else ""
+    duration = f"{60 * plan.hours:.0f} min" if plan.hours < 2 else f"{plan.hours:.1f} h"
+    if plan.hours < 1 / 60:
+        duration = f"{3600 * plan.hours:.0f} s"
+    print_line(f"{more}{duration} on {counted(plan.processes, 'core')}, {more}{plan.bytes / 1e6:.0f} MB on disk")
+    for step in plan.steps:
+        if step.error:
+            print_line(f"the trial of '{step.step}' failed: {step.error}", "yellow")
+
+
+def _plan_row(step: "StepPlan", processes: int) -> tuple[str, ...]:
+    if step.seconds is None:
+        return step.step, f"{step.jobs}", f"{step.done}", "", "0", ""
+    more = "> " if step.at_least else ""
+    hours = (step.jobs - step.done) * step.seconds / processes / 3600
+    seconds = f"{more}{readable(step.seconds)}"
+    return step.step, f"{step.jobs}", f"{step.done}", seconds, f"{more}{readable(hours, 2)}", f"{step.bytes / 1000:.0f}"
+
+
+MAX_FAILURES = 10  # Failed jobs that are listed; all are in the table.
+
+
+def _print_status(status: "Status") -> None:
+    from mimoc.cli.console import print_line, print_table
+
+    states = "ok", "failed", "missing"
+    rows = ((step, *(f"{counts.get(state, 0)}" for state in states)) for step, counts in status.counts.items())
+    print_table(("step", *states), rows, title=counted(status.jobs, "job"))
+    for failure in status.failures[:MAX_FAILURES]:
+        seed = {} if failure.job.seed is None else {"seed": failure.job.seed}
+        who = ", ".join(f"{name}={value}" for name, value in {**failure.job.factors, **seed}.items())
+        print_line(f"failed: {' '.join((failure.job.step, who)).rstrip()}: {failure.error}", "red")
+        print_line(f"        {failure.log}")
+    if len(status.failures) > MAX_FAILURES:
+        print_line(f"... and {len(status.failures) - MAX_FAILURES} more; see the table")
+
+
+def _print_milestones(summary: "MilestoneSummary") -> None:
+    """Print the ages at which the children of a cohort reach milestones, and the odds of being late, with sources."""
+    from mimoc.base.quantities.child import MEAN_AGE
+    from mimoc.cli.console import print_line, print_table
+
+    headings = ("milestone", "n", "not by 24", MEAN_AGE.heading, "SD", "WHO's mean", "WHO's SD", "WHO's milestone")
+    rows = []
+    for row in summary.spreads:
+        months = row.mean_months, row.sd_months, row.who_mean_months, row.who_sd_months
+        cells = ("" if value is None else f"{value:.2f}" for value in months)
+        rows.append((row.trial, f"{row.n}", f"{row.not_reached}", *cells, row.who))
+    print_table(headings, rows, title="ages of milestones")
+    print_line(f"WHO: {summary.who_source}")
+    if summary.odds:
+        ratio = "{:.2f} ({:.2f} to {:.2f})".format
+        rows = []
+        for row in summary.odds:
+            others = f"{row.late_others} of {row.others}"
+            odds = ratio(row.odds_ratio, row.low, row.high)
+            rows.append((row.group, row.trial, f"{row.late} of {row.n}", others, odds))
+        headings = ("group", "milestone", "late", "late of others", "odds ratio")
+        print_table(headings, rows, title="odds of being late")
+        published = ", ".join(f"{group} {ratio(*odds)}" for group, odds in summary.published_odds.items())
+        print_line(f"published: {published}: {summary.odds_source}")
+        print_line("late: more than one SD above the mean; groups: the uppermost tenth; in brackets: 95 % intervals")

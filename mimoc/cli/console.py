@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -23,15 +23,13 @@ from mimoc.cli.terminal import printable
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.bundle.world import WorldManifest
-    from mimoc.cli.terminal import Finding
     from mimoc.compiler.explain import Explanation
     from mimoc.policies.rollout import Summary
     from mimoc.runtime.check import PoseCheck
 
 PLAIN_S, PLAIN_SHARE = 30.0, 1 / 10
 """Least time between two lines of progress, in seconds and as a share of the time so far."""
-PIPE_WIDTH = 260
-"""Width of the output when it is piped: wide enough that lines are not broken, for `grep`."""
+PIPE_WIDTH = 260  # Width of the output when it is piped: wide enough that lines are not broken, for `grep`.
 
 
 class _Console(Console):
@@ -100,57 +98,66 @@ class _Steps(MofNCompleteColumn):
         return super().render(task) if task.total is not None else Text()
 
 
-def new_table(*headings: str, title: str | None = None, left: int = 1, **options: Any) -> Table:
-    """Return an empty table with a title, whose columns stand at the right but for the first ones."""
+def print_table(
+    headings: Iterable[str],
+    rows: Iterable[Iterable[str | Text]],
+    title: str | None = None,
+    left: int = 1,
+    **options: Any,
+) -> None:
+    """Print rows of cells below their headings; the first columns are aligned left, all others right."""
     table = Table(title=title, title_justify="left", **options)
     for number, heading in enumerate(headings):
         table.add_column(heading, justify="left" if number < left else "right")
-    return table
+    for row in rows:
+        table.add_row(*row)
+    open_console().print(table)
+
+
+def print_line(text: object, style: str = "") -> None:
+    """Print a text, in a colour if one is given."""
+    open_console().print(Text(str(text), style=style))
+
+
+def print_verdict(passed: bool, text: str) -> None:
+    """Print whether something holds: `ok` in green or `failed` in red, and what it is about."""
+    print_line(f"{'ok' if passed else 'failed'}: {text}", "green" if passed else "red")
+
+
+def starred(text: str, is_marked: bool) -> Text:
+    """Return a number as the text of a cell, in yellow and with a star if it is marked."""
+    return Text(f"{text}{'*' if is_marked else ' '}", style="yellow" if is_marked else "")
 
 
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     """Print a child's measures and their WHO percentiles, of which a child whose size is not known has none."""
     measures = manifest.child.model_dump()
     population = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
-    title = f"{manifest.name}, {manifest.child.age_months:g} months"
-    table = new_table("measure", "value", f"WHO percentile, {population}", title=title)
     if manifest.child.size_is_known:
         shown = {name: f"{value:.0f}" for name, value in percentiles.items()}
     else:
         shown = {name: "scale not known" for name in INDICATORS if measures[name] is not None}
-    for name, text in shown.items():
-        table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", text)
-    open_console().print(table)
-
-
-def print_findings(findings: Sequence[Finding]) -> None:
-    """Print what was found out about this machine, a line each."""
-    styles = {"ok": "green", "none": "dim", "broken": "red"}
-    width = max(len(finding.what) for finding in findings)
-    for what, state, text in findings:
-        open_console().print(Text.assemble((f"{state:6}", styles[state]), f" {what:{width}}  {text}"), soft_wrap=True)
+    print_table(
+        ("measure", "value", f"WHO percentile, {population}"),
+        ((INDICATORS[name].title, f"{measures[name]:.2f}", text) for name, text in shown.items()),
+        title=f"{manifest.name}, {manifest.child.age_months:g} months",
+    )
 
 
 def print_toys(manifest: Manifest | WorldManifest) -> None:
     """Print the toys and the objects of the scene, and the notes on the build."""
-    console = open_console()
-    if manifest.toys:
-        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=counted(len(manifest.toys), "toy"))
-        for toy in manifest.toys:
-            table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
-        console.print(table)
-    if manifest.objects:
-        title = counted(len(manifest.objects), "object")
-        table = new_table("object", TOY_MASS.heading, "place at the start", title=title)
-        for item in manifest.objects:
-            table.add_row(printable(item.name), f"{1000 * item.mass_kg:.0f}", printable(item.where))
-        console.print(table)
+    if toys := manifest.toys:
+        rows = ((printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}") for toy in toys)
+        print_table(("toy", TOY_SIZE.heading, TOY_MASS.heading), rows, title=counted(len(toys), "toy"))
+    if items := manifest.objects:
+        rows = ((printable(item.name), f"{1000 * item.mass_kg:.0f}", printable(item.where)) for item in items)
+        headings = "object", TOY_MASS.heading, "place at the start"
+        print_table(headings, rows, title=counted(len(items), "object"))
     for note in manifest.notes:
-        console.print(Text(f"note: {note}", style="yellow"))
+        print_line(f"note: {note}", "yellow")
 
 
-DIGITS = 6
-"""Significant digits of what a run gives."""
+DIGITS = 6  # Significant digits of what a run gives.
 
 
 def print_run(summaries: Mapping[str, Summary]) -> None:
@@ -158,20 +165,23 @@ def print_run(summaries: Mapping[str, Summary]) -> None:
     summary = next(iter(summaries.values()))
     columns = {name: {**one.measures, **one.metrics} for name, one in summaries.items()}
     print_measures(columns, f"{summary.steps} control steps, {summary.simulated_s:g} s simulated")
-    console = open_console()
-    console.print(f"{counted(summary.episodes, 'episode')}, total reward {readable(summary.total_reward, DIGITS)}")
+    print_line(f"{counted(summary.episodes, 'episode')}, total reward {readable(summary.total_reward, DIGITS)}")
     rate_hz = summary.steps / summary.wall_s
-    console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+    print_line(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
 
 
 def print_measures(columns: Mapping[str, Mapping[str, Any]], title: str) -> None:
     """Print what was measured, a column for each infant by name."""
-    table = new_table("quantity", *(name or "value" for name in columns), title=title)
-    for name in dict.fromkeys(name for column in columns.values() for name in column):
-        values = [column.get(name) for column in columns.values()]
-        if any(value is not None for value in values):
-            table.add_row(quantity_of(name).title, *map(_value, values))
-    open_console().print(table)
+    values = {
+        name: [column.get(name) for column in columns.values()]
+        for name in dict.fromkeys(name for column in columns.values() for name in column)
+    }
+    rows = (
+        (quantity_of(name).title, *map(_value, cells))
+        for name, cells in values.items()
+        if any(value is not None for value in cells)
+    )
+    print_table(("quantity", *(name or "value" for name in columns)), rows, title=title)
 
 
 def _value(value: float | None) -> str:
@@ -183,31 +193,26 @@ def _value(value: float | None) -> str:
 def print_joints(policy: object) -> None:
     """Print how each joint followed a motion, if that is what a policy did."""
     if (followed := getattr(policy, "followed", None)) is not None:
-        table = new_table(*followed.headings, title="How each joint followed the motion")
-        for row in followed.rows():
-            table.add_row(row[0].removeprefix("robot:"), *row[1:])
-        open_console().print(table)
+        rows = ((row[0].removeprefix("robot:"), *row[1:]) for row in followed.rows())
+        print_table(followed.headings, rows, title="How each joint followed the motion")
 
 
 def print_check(check: PoseCheck) -> None:
     """Print the result for a pose."""
     verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
     warnings = ", ".join(check.warnings) or "no warnings"
-    open_console().print(verdict, f"{check.pose}: {warnings}, {_extremes(check)}")
-
-
-def _extremes(check: PoseCheck) -> str:
+    limits = "no joint limit exceeded"
+    if check.joint:
+        limits = f"joint limits exceeded by at most {check.beyond_deg:.0f} degrees ({check.joint})"
     energy = f"kinetic energy at most {check.energy_j_per_kg:.2f} J/kg"
-    if not check.joint:
-        return f"{energy}, no joint limit exceeded"
-    return f"{energy}, joint limits exceeded by at most {check.beyond_deg:.0f} degrees ({check.joint})"
+    open_console().print(verdict, f"{check.pose}: {warnings}, {energy}, {limits}")
 
 
 def print_explanation(explanation: Explanation, legend: str) -> None:
     """Print the provenance of a number as a tree, and below it what its marks mean."""
     open_console().print(_branch(explanation))
     if legend:
-        open_console().print(Text(legend))
+        print_line(legend)
 
 
 def print_contents(contents: Mapping[str, Sequence[str]]) -> None:

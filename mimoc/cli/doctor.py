@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, requires, version
 from importlib.util import find_spec
+from typing import NamedTuple
 
 import typer
 
 from mimoc.base.errors import problem_of_loading_mujoco
-from mimoc.cli.terminal import FAILED_CHECK, Finding
+from mimoc.cli.terminal import FAILED_CHECK
 
 EXTRAS: Mapping[str, str] = {
     "report": "plots and pages",
@@ -28,18 +29,26 @@ EXTRAS: Mapping[str, str] = {
     "multi": "several infants in one world",
 }
 """What each optional part of the installation is for."""
-ESSENTIAL = "MuJoCo"
-"""What nothing works without."""
-PATIENCE_S = 10.0
-"""How long to wait for a program of the system."""
+ESSENTIAL = "MuJoCo"  # What nothing works without.
+PATIENCE_S = 10.0  # How long to wait for a program of the system.
 
 
 class AbsentError(Exception):
     """Something is not here, which may be as it should be."""
 
 
+class Finding(NamedTuple):
+    """What was found out about one thing."""
+
+    what: str
+    state: str  # `ok`, `none` if it is not here, or `broken`.
+    text: str
+
+
 def doctor() -> None:
     """Say what works on this machine, and what to install for the rest; the exit code is 1 if no infant can move."""
+    from rich.text import Text
+
     from mimoc.cli import console
 
     looks, findings = [*_looks()], list[Finding]()
@@ -47,7 +56,11 @@ def doctor() -> None:
         for what, look in looks:
             show(len(findings), len(looks))
             findings.append(_tried(what, look))
-    console.print_findings(findings)
+    styles = {"ok": "green", "none": "dim", "broken": "red"}
+    width = max(len(finding.what) for finding in findings)
+    for what, state, text in findings:
+        line = Text.assemble((f"{state:6}", styles[state]), f" {what:{width}}  {text}")
+        console.open_console().print(line, soft_wrap=True)
     if any(finding.what == ESSENTIAL and finding.state != "ok" for finding in findings):
         raise typer.Exit(FAILED_CHECK)
 

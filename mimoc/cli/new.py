@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, OutputError, SpecError, check_name
+from mimoc.cli.arguments import Force
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def new(
     task: Task = None,
     impairment: Impairment = None,
     side: Side = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Force = False,
 ) -> None:
     """Write a commented spec to begin with, from a few choices; in a terminal, without any, it asks."""
     from mimoc.bundle.files import write_file
@@ -97,7 +98,9 @@ def new(
     if like:
         text = with_schema(_example(like, name), shipped_schema())
     else:
-        text = new_spec(_choices(name, given or _asked(name)), shipped_schema())
+        if not given and sys.stdin.isatty() and sys.stdout.isatty():
+            given = _answers(name)
+        text = new_spec(_choices(name, given), shipped_schema())
     read_spec(source.parse(text, str(spec)))
     if spec == STDOUT:
         print(text, end="")
@@ -118,10 +121,6 @@ def _choices(name: str, given: dict[str, Any]) -> "Choices":
     return Choices(**{**given, "name": name, "senses": () if words == ["none"] else tuple(words)})
 
 
-def _asked(name: str) -> dict[str, Any]:
-    return _answers(name) if sys.stdin.isatty() and sys.stdout.isatty() else {}
-
-
 def _answers(name: str) -> dict[str, Any]:
     """Return what the user answers to each question; it is asked again if no spec can say that, with those before."""
     from mimoc.schema.starter import Choices, offered
@@ -136,8 +135,8 @@ def _answers(name: str) -> dict[str, Any]:
 def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
     """Return an answer that a spec can say, with those before it; else a prompt prints the error, and asks again."""
     from mimoc.schema import read_spec, source
+    from mimoc.schema.source import scalar
     from mimoc.schema.starter import new_spec
-    from mimoc.schema.yaml_document import scalar
 
     value = str(answer).strip()
     try:
@@ -151,7 +150,6 @@ def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
 
 
 def _example(like: str, name: str) -> str:
-    """Return the text of an example, under another name."""
     from mimoc.compiler.loading import example_specs
 
     examples = example_specs()
@@ -166,16 +164,16 @@ def import_config(
     file: Annotated[
         Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write, or `-` for standard output.")
     ],
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Force = False,
 ) -> None:
     """Convert another system's configuration into a spec, and list the settings that have no counterpart.
 
     Of a scene with MIMo in it, the rest is written beside the spec: FILE_scene.xml, with a folder for its assets.
     """
+    from mimoc import compat
     from mimoc.bundle import files
-    from mimoc.compat import importing as importers
 
-    imported = importers.import_config(system, config)
+    imported = compat.import_config(system, config)
     if file == STDOUT:
         print(*imported.notes, sep="\n", end="\n" if imported.notes else "", file=sys.stderr)
         print(imported.text, end="")

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError, SpecError
-from mimoc.cli import contact_sheets, worlds
-from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec
+from mimoc.base.errors import MimocError, SpecError, check_name
+from mimoc.cli.arguments import Body, InfantPath, PicturePath, find_world, load_infant, load_spec
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from mimoc.bundle.io import Bundle
+    from mimoc.bundle.world import WorldBundle
     from mimoc.render.portrait import Framing
     from mimoc.render.renderer import Picture, Shown
+    from mimoc.schema.infant import InfantSpec
     from mimoc.schema.scene import SceneSpec
     from mimoc.schema.source import Source
 
@@ -89,8 +90,7 @@ Width = Annotated[
 Height = Annotated[
     int | None, typer.Option(min=16, max=4096, help="Height in pixels; default: the width, or half of it for a row.")
 ]
-PICTURE_PX, SHEET_PX = 1000, 320
-"""Width of an image, and of each in a sheet, if nothing else is said."""
+PICTURE_PX, SHEET_PX = 1000, 320  # Width of an image, and of each in a sheet, if nothing else is said.
 
 
 def render(
@@ -140,9 +140,9 @@ def render(
     shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
     if ages is not None or poses is not None:
         refused = {"--skin": skin, "--transparent": transparent, "--pose": bool(pose and poses)}
-        contact_sheets.draw(infants, file, ages, poses or pose, size_px, shown, framing, refused)
-    elif len(infants) == 1 and (world := worlds.find_world(infants[0])):
-        worlds.draw(world, file, pose, size_px, skin, shown, framing)
+        _draw_sheet(infants, file, ages, poses or pose, size_px, shown, framing, refused)
+    elif len(infants) == 1 and (world := find_world(infants[0])):
+        _draw_world(world, file, pose, size_px, skin, shown, framing)
     else:
         _draw([load_infant(infant) for infant in infants], file, pose, size_px, skin, shown, framing)
 
@@ -169,6 +169,89 @@ def _draw(
     else:
         picture = portrait(bundles[0], pose, *size_px, markers[0] if markers else None, shown, framing)
     print(printable(write_picture(file, picture)))
+
+
+def _draw_world(
+    world: "WorldBundle",
+    file: Path,
+    pose: str | None,
+    size_px: tuple[int, int],
+    skin: bool,
+    body: "Shown",
+    framing: "Framing",
+) -> None:
+    from mimoc.components.senses.touch.run import skin_markers
+    from mimoc.render.body_camera import join_markers
+    from mimoc.render.picture_files import write_picture
+    from mimoc.render.picture_poses import load_world_in_pose
+    from mimoc.render.portrait import world_portrait
+
+    if framing.crop:
+        raise MimocError("--crop head draws the head of one infant; leave it out")
+    state = load_world_in_pose(world, pose)
+    markers = join_markers(skin_markers(infant, *state) for infant in world.infants.values()) if skin else None
+    print(printable(write_picture(file, world_portrait(world, pose, *size_px, markers, body, framing))))
+
+
+def _draw_sheet(
+    infants: list[Path],
+    file: Path,
+    ages: str | None,
+    poses: str | None,
+    size_px: tuple[int, int],
+    shown: "Shown",
+    framing: "Framing",
+    refused: dict[str, bool],
+) -> None:
+    from mimoc.cli import console
+    from mimoc.render.picture_files import write_picture
+    from mimoc.render.portrait import check_count, contact_sheet, read_poses
+
+    for option, is_given in refused.items():
+        if is_given:
+            raise MimocError(f"--ages and --poses make a sheet of pictures, without {option}; leave one of them out")
+    if len(infants) != 1:
+        raise MimocError(f"--ages and --poses draw one infant, and {len(infants)} are given; name one spec or bundle")
+    specs = _specs(infants[0], ages)
+    first = next(_built(infants[0], specs[:1]))
+    names = read_poses(poses, first.manifest) if poses else [first.manifest.pose]
+    count = max(len(specs), 1)
+    check_count(count, len(names))
+    with console.progress("drawing") as show:
+        bundles = _built(infants[0], specs, first)
+        picture = contact_sheet(bundles, names, size_px, shown, framing, lambda done: show(done, count * len(names)))
+    print(printable(write_picture(file, picture)))
+
+
+def _specs(infant: Path, ages: str | None) -> "list[InfantSpec]":
+    from mimoc.compiler.variants import spec_of
+
+    if ages is None:
+        return []
+    months = read_ages(ages)
+    spec = spec_of(load_infant(infant)) if infant.is_dir() else load_spec(infant)
+    return [spec.with_(age_months=age_months) for age_months in months]
+
+
+def _built(infant: Path, specs: "list[InfantSpec]", first: "Bundle | None" = None) -> "Iterator[Bundle]":
+    """Yield the infant, or what each spec describes, one after another; the first may be there already."""
+    from mimoc.compiler.pipeline import build
+
+    yield first or (build(specs[0]) if specs else load_infant(infant))
+    yield from map(build, specs[1:])
+
+
+def read_ages(text: str) -> tuple[float, ...]:
+    """Return the ages that a list such as `0,3,6` names, in months; a MimocError says what is wrong."""
+    from mimoc.schema.quantities import LAST_MONTH
+
+    try:
+        months = tuple(map(float, text.split(",")))
+    except ValueError:
+        months = ()
+    if not months or not all(0 <= age_months <= LAST_MONTH for age_months in months):
+        raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH}, as in 0,3,6,12,24")
+    return months
 
 
 FieldOfView = Annotated[
@@ -205,14 +288,14 @@ def see(
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
-    from mimoc.components.senses.vision import VisionSpec, build_comparison as comparison
+    from mimoc.components.senses.vision import VisionSpec, comparison
     from mimoc.components.senses.vision.preview import is_blank, preview
     from mimoc.render import picture_files
     from mimoc.render.picture_files import tile_pictures
 
     picture_files.check_picture_name(file)
-    world = worlds.find_world(infant, pose=pose)
-    bundle = worlds.infant_of(world, name) if world else load_infant(infant)
+    world = find_world(infant, pose=pose)
+    bundle = _infant_of(world, name) if world else load_infant(infant)
     if name and not world:
         raise MimocError("--infant chooses from a world with several infants, and this is one; leave it out")
     vision, seeing = spec_of(bundle).senses.vision or VisionSpec(), bundle.manifest.senses.vision
@@ -225,8 +308,13 @@ def see(
         print(NOTHING_SEEN)
 
 
-MAX_ROOMS = 400
-"""Largest number of scenes in one image."""
+def _infant_of(world: "WorldBundle", name: str | None) -> "Bundle":
+    if name is not None:
+        check_name("name of an infant of this world", name, world.infants)
+    return world.infants[name or next(iter(world.infants))]
+
+
+MAX_ROOMS = 400  # Largest number of scenes in one image.
 
 
 def rooms(
@@ -263,7 +351,7 @@ def _scene_drawer(spec: Path, size_px: tuple[int, int]) -> "Callable[[int], Pict
     from mimoc.schema.infant import as_written
     from mimoc.schema.world import in_scene
 
-    if world := worlds.find_world(spec):
+    if world := find_world(spec):
         plan = plan_of_bundle(world)
         _check_seed_matters(plan.spec.scene, plan.written)
         return lambda seed: world_portrait(build_world(in_scene(plan, seed)), None, *size_px)
@@ -275,7 +363,7 @@ def _scene_drawer(spec: Path, size_px: tuple[int, int]) -> "Callable[[int], Pict
 
 def _check_seed_matters(scene: "SceneSpec", written: "Source") -> None:
     """Print a note if only the toys depend on the seed; raise a SpecError if nothing in the scene does."""
-    from mimoc.schema.components.scenes import SCENES
+    from mimoc.schema.kinds import SCENES
 
     kind = scene.kind
     if SCENES[kind].varies:

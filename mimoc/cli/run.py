@@ -12,23 +12,24 @@ import typer
 
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.kinds import announced
-from mimoc.cli import worlds
 from mimoc.cli.arguments import (
     Beside,
     Body,
+    Eyes,
     InfantPath,
     ShownBody,
+    VideoHeight,
     check_video,
+    find_world,
     import_object,
     load_counterpart,
     load_infant,
     load_trained,
 )
 from mimoc.cli.terminal import printable
-from mimoc.policies.class_policy import class_or_text
 from mimoc.policies.spec import parse_policies, usage
 from mimoc.recording.movement_columns import ALL, GROUPS, groups_named
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -113,21 +114,21 @@ def run(
     video: VideoFile = None,
     record: RecordFolder = None,
     movement: MovementGroups = None,
-    eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
+    eyes: Eyes = False,
     filmed: FilmedInfant = None,
     fps: Annotated[int, typer.Option(min=1, max=100, help="Frames per second of the video.")] = 25,
-    size: Annotated[int, typer.Option(min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    size: VideoHeight = 360,
     body: ShownBody = Body.SKIN,
     beside: Beside = None,
 ) -> None:
     """Run the infants under a policy and print a summary; show them in a window, record a video or all they sense."""
     from mimoc.cli import console
     from mimoc.policies.named import policies_of
-    from mimoc.runtime.infants import infants_of
+    from mimoc.runtime.batch.vector_env import infants_of
 
     check_video(video, eyes)
     options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
-    world = worlds.find_world(infant)
+    world = find_world(infant)
     other = _counterpart(infant, world, beside) if beside else None
     env = open_env(world or load_infant(infant), task, render_mode="human" if window else None)
     with closing(env), ExitStack() as recorded:
@@ -166,17 +167,20 @@ def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) ->
 
 
 def _counterpart(infant: Path, world: "WorldBundle | None", beside: str) -> "Bundle | WorldBundle":
-    """Return the child that stands beside another, or the world with those of all its children."""
     from mimoc.compiler.pipeline import build
+    from mimoc.compiler.world_variants import plan_of_bundle
+    from mimoc.compiler.worlds import build_world
+    from mimoc.schema.counterparts import world_counterpart
 
-    return worlds.counterpart(world, beside) if world else build(load_counterpart(infant, beside))
+    if world:
+        return build_world(world_counterpart(plan_of_bundle(world), beside))
+    return build(load_counterpart(infant, beside))
 
 
 def _written(
     infants: "Mapping[str, Infant]", video: Path | None, record: Path | None, filmed: str | None
 ) -> list[Path]:
-    from mimoc.recording.record import heard_in
-    from mimoc.recording.sound_track import sound_file
+    from mimoc.recording.record import heard_in, sound_file
 
     sound = sound_file(video) if video and heard_in(infants, filmed) else None
     return [path for path in (video, sound, record) if path]
@@ -197,7 +201,7 @@ def _recording(
 def _film(
     video: Path | None, infants: "Mapping[str, Infant]", options: dict[str, Any]
 ) -> "AbstractContextManager[Filming] | AbstractContextManager[None]":
-    from mimoc.recording import film_of
+    from mimoc.recording.record import film_of
 
     return film_of(video, next(iter(infants.values())).manifest.step_ms, **options) if video else nullcontext()
 
@@ -207,6 +211,7 @@ def policies_by_infant(
 ) -> "Mapping[str, str | PolicyMaker]":
     """Return the policy of each infant, by name; `motion` alone follows the motion in the infant's own folder."""
     from mimoc.policies import motion
+    from mimoc.policies.class_policy import class_or_text
 
     by_infant = dict[str, str]()
     for text in texts or ["random"]:
@@ -229,7 +234,6 @@ def _run(
     filmed: "AbstractContextManager[Filming | None]",
     written: Sequence[Path],
 ) -> "dict[str, Summary]":
-    """Take some control steps with a progress bar, film them if there is a video, and return the summaries."""
     from mimoc.cli import console
     from mimoc.policies.rollout import Run
 

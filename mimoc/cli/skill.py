@@ -3,14 +3,17 @@
 import json
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from mimoc.base.errors import MimocError
 from mimoc.cli.arguments import load_spec
-from mimoc.cli.terminal import resumable
-from mimoc.schema.components.tasks import SKILLS
+from mimoc.cli.terminal import printable, resumable
+from mimoc.schema.kinds import SKILLS
+
+if TYPE_CHECKING:
+    from mimoc.studies.skills.learning import SkillReport, SkillsReport
 
 Ages = Annotated[
     str | None,
@@ -69,11 +72,12 @@ def skill(
     """
     from mimoc.base.errors import check_name
     from mimoc.cli import console
-    from mimoc.cli.skill_output import show_skill
     from mimoc.studies.skills.learning import REAL_AGES, learn_skill
 
     check_name("skill", name, SKILLS)
-    months, folder = read_months(ages, *_around(REAL_AGES[name])), out or Path("out") / f"skill_{name}"
+    real = REAL_AGES[name]
+    first, last = max(0, round(real.youngest_months) - 2), round(real.usual_months or real.oldest_months) + 2
+    months, folder = read_months(ages, first, last, 2), out or Path("out") / f"skill_{name}"
     child = load_spec(spec) if spec else None
     with console.progress(f"learning to {name.replace('_', ' ')}") as show, resumable():
         report = learn_skill(
@@ -91,12 +95,7 @@ def skill(
             envs=envs,
             progress=show,
         )
-    show_skill(report, folder)
-
-
-def _around(real: Any) -> tuple[int, int, int]:
-    first, last = max(0, round(real.youngest_months) - 2), round(real.usual_months or real.oldest_months) + 2
-    return first, last, 2
+    _show_skill(report, folder)
 
 
 def read_months(text: str | None, *usual: int) -> tuple[float, ...]:
@@ -126,3 +125,58 @@ def read_options(texts: list[str]) -> dict[str, Any]:
         except ValueError:
             options[key] = value
     return options
+
+
+def _show_skill(report: "SkillReport", folder: Path) -> None:
+    """Print a report, and write it into a folder as `results.json` and `success.png`."""
+    from mimoc.bundle.files import write_file
+    from mimoc.render.plots.file import write_sheet
+    from mimoc.studies.skills.learning import skill_sheet
+
+    text = json.dumps(report.to_data(), indent=1, sort_keys=True)
+    write_file(folder / "results.json", f"{text}\n".encode())
+    _print_skill(report)
+    write_sheet(skill_sheet(report), folder / "success.png")
+    print(printable(folder / "success.png"))
+
+
+def print_skills(report: "SkillsReport", infant: object = None) -> None:
+    """Print a row for each skill whose results come with mimoc, the sources, and which skills wait for a GPU."""
+    from mimoc.cli.console import print_line, print_table
+
+    ages = sorted({age.age_months for skill in report.skills for age in skill.ages})
+    rows = []
+    for skill in report.skills:
+        success, real = {age.age_months: f"{age.success:.0%}" for age in skill.ages}, skill.real_infants
+        since = "" if skill.from_months is None else f"{skill.from_months:.1f}"
+        window = f"{real.youngest_months:g}-{real.oldest_months:g}"
+        rows.append((skill.skill, *(success.get(age, "") for age in ages), since, window, skill.verdict))
+    print_table(("skill", *(f"{age:g}" for age in ages), "from", "real infants", "verdict"), rows)
+    for skill in report.skills:
+        print_line(f"{skill.skill}: {skill.real_infants.source} ({skill.real_infants.certainty})")
+    if infant is not None:
+        print_line("these are of the average child; for another one: mimoc skill NAME --spec SPEC")
+    print_line(f"without results yet: {', '.join(report.waiting)}: mimoc skill NAME --device cuda:0")
+
+
+def _print_skill(report: "SkillReport") -> None:
+    from mimoc.cli.console import print_line, print_table
+
+    rows = []
+    for result in report.ages:
+        low, high = result.interval
+        tried = str(sum(attempt.tried for attempt in result.searches))
+        row = f"{result.age_months:g} months", f"{result.success:.0%}", f"{low:.0%} to {high:.0%}"
+        rows.append((*row, f"{result.best.success:.0%}", tried, result.searches[0].problem))
+    print_table(("age", "success", "95 %", "best search", "tried", ""), rows)
+    since = "at none of these ages" if report.from_months is None else f"from {report.from_months:.1f} months on"
+    print_line(f"{report.skill.replace('_', ' ')}: in half of the starts {since}: {report.verdict}")
+    is_searched = all(attempt.movement for result in report.ages for attempt in result.searches)
+    if report.from_months is None and is_searched:
+        print_line(
+            "a search without feedback that finds nothing says little; on a GPU a policy learns: --device cuda:0"
+        )
+    real = report.real_infants
+    usual = f", usually {real.usual_months:g}" if real.usual_months is not None else ""
+    span = f"{real.youngest_months:g} to {real.oldest_months:g}{usual} months: {real.span}"
+    print_line(f"real infants: {span} ({real.source}; {real.certainty})")

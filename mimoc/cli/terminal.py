@@ -1,23 +1,12 @@
-"""Exit codes, findings, what is said of an interruption, and foreign text as a terminal can show it."""
+"""Exit codes, what is said of an interruption, and foreign text as a terminal can show it."""
 
 import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
 
 BAD_INPUT, FAILED_CHECK = 2, 1
-BROKEN_PIPE = 128 + 13
-"""Exit code of a process ended by SIGPIPE: the reader of its output has closed the pipe."""
-
-
-class Finding(NamedTuple):
-    """What was found out about one thing."""
-
-    what: str
-    state: str
-    """`ok`, `none` if it is not here, or `broken`."""
-    text: str
+BROKEN_PIPE = 128 + 13  # Exit code of a process ended by SIGPIPE: the reader of its output has closed the pipe.
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from mimoc.base.rounding import readable
 from mimoc.cli import console
 from mimoc.cli.terminal import printable
 from mimoc.training import CurvePoint, Training
-from mimoc.training.learner import DeviceUse
+from mimoc.training.curve import DeviceUse
 
 PACKAGE = Path(__file__).parents[1]
 LINES_S, LINES_SHARE = 10.0, 1 / 20
@@ -90,15 +90,12 @@ def print_training(training: Training, out: Path, task: str | None) -> None:
     """
     rows = training.curve.ends
     title = f"trained for {training.curve.steps} control steps"
-    table = console.new_table("quantity", "start", "end", title=title)
-    for quantity in CURVE:
-        table.add_row(quantity.title, *(_number(getattr(row, quantity.curve)) for row in rows))
-    opened = console.open_console()
-    opened.print(table)
+    cells = ((quantity.title, *(_number(getattr(row, quantity.curve)) for row in rows)) for quantity in CURVE)
+    console.print_table(("quantity", "start", "end"), cells, title=title)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
-    opened.print(f"{training.curve.rows[-1].wall_s:.0f} s of training{resumed}")
+    console.print_line(f"{training.curve.rows[-1].wall_s:.0f} s of training{resumed}")
     if training.use:
-        opened.print(_taken(training.use))
+        console.print_line(_taken(training.use))
     option = f" --task {task}" if task else ""
     tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}{option}"
     print(printable(f"{out}: {tried}"))
@@ -113,8 +110,6 @@ def _taken(use: DeviceUse) -> str:
 
 @contextmanager
 def _warnings_as_lines() -> Iterator[None]:
-    """Print mimoc's own warnings without the place in its code that they come from."""
-
     def show(message: Warning | str, category: type[Warning], filename: str, *rest: Any) -> None:
         if not Path(filename).is_relative_to(PACKAGE):
             usual(message, category, filename, *rest)

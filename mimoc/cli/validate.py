@@ -13,15 +13,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.cli.arguments import Beside, load_spec
+from mimoc.cli.arguments import AsJson, Beside, load_spec
 from mimoc.cli.terminal import FAILED_CHECK
 
 if TYPE_CHECKING:
     from mimoc.render.plots.plot import Sheet
     from mimoc.schema.infant import InfantSpec
 
-Progress = Callable[[int, int], None]
-"""Called with the number of steps done and their total number."""
+Progress = Callable[[int, int], None]  # Called with the number of steps done and their total number.
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,25 +35,25 @@ class Findings:
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_growth
-    from mimoc.studies.growth import who
-    from mimoc.studies.growth.plot import growth_sheet
+    from mimoc.studies import growth
+    from mimoc.studies.growth_plots import growth_sheet
 
-    report = who.grow_against_who(infant, progress=progress)
-    shown = partial(print_growth, report, who.REQUESTED_SD)
+    report = growth.grow_against_who(infant, progress=progress)
+    shown = partial(print_growth, report, growth.REQUESTED_SD)
     return Findings(report.passed, report.to_data(), shown, lambda: growth_sheet(report.series, report.reference))
 
 
 def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_measurements
-    from mimoc.studies.growth import anthrokids
-    from mimoc.studies.growth.plot import measurements_sheet
+    from mimoc.studies import growth
+    from mimoc.studies.growth_plots import measurements_sheet
 
-    report = anthrokids.compare_with_anthrokids(infant, progress=progress)
+    report = growth.compare_with_anthrokids(infant, progress=progress)
     series = {
         name: [(age_months, row.value_cm) for age_months, row in rows.items()] for name, rows in report.by_measurement()
     }
-    shown = partial(print_measurements, report, anthrokids.TOLERANCE)
-    sheet = partial(measurements_sheet, series, anthrokids.TOLERANCE)
+    shown = partial(print_measurements, report, growth.TOLERANCE)
+    sheet = partial(measurements_sheet, series, growth.TOLERANCE)
     return Findings(report.within_tolerance, report.to_data(), shown, sheet)
 
 
@@ -62,8 +61,9 @@ def _against_milestones(
     infant: InfantSpec | None, progress: Progress, *, delays: bool = False, beside: str | None = None
 ) -> Findings:
     from mimoc.cli.tables import print_milestones
-    from mimoc.studies.growth.plot import rows_sheet
-    from mimoc.studies.milestones import Conditions, validate_milestones
+    from mimoc.studies.growth_plots import rows_sheet
+    from mimoc.studies.milestones.infant import Conditions
+    from mimoc.studies.milestones.report import validate_milestones
 
     report = validate_milestones(
         infant, Conditions(delays=delays), processes=os.cpu_count() or 1, progress=progress, beside=beside
@@ -81,9 +81,9 @@ def _against_movement(
     beside: str | None = None,
 ) -> Findings:
     from mimoc.cli.tables import print_movement
-    from mimoc.components.senses.vision.build_comparison import read_ages
-    from mimoc.render.plots.windows import windows_sheet
-    from mimoc.studies.movement import USUAL, validate_movement
+    from mimoc.components.senses.vision.comparison import read_ages
+    from mimoc.render.plots.plot import windows_sheet
+    from mimoc.studies.movement.report import USUAL, validate_movement
 
     names, months = trials.split(",") if trials else USUAL, read_ages(ages) if ages is not None else None
     report = validate_movement(
@@ -94,9 +94,9 @@ def _against_movement(
 
 
 def _against_skills(infant: InfantSpec | None, progress: Progress) -> Findings:
-    from mimoc.cli.skill_output import print_skills
-    from mimoc.studies.growth.plot import rows_sheet
-    from mimoc.studies.skills.shipped import shipped_skills
+    from mimoc.cli.skill import print_skills
+    from mimoc.studies.growth_plots import rows_sheet
+    from mimoc.studies.skills.learning import shipped_skills
 
     report = shipped_skills()
     sheet = partial(rows_sheet, report.rows, "real infants (line: usual age)", ("window", "reached"))
@@ -131,7 +131,7 @@ def validate(
         ),
     ] = None,
     against: Annotated[str, typer.Option(help=f"What to compare with: {', '.join(VALIDATIONS)}.")] = "who",
-    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp.")
     ] = None,

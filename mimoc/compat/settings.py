@@ -9,13 +9,11 @@ from typing import Any, TypeVar
 from mimoc.base.errors import Problem, SpecError, suggestion
 from mimoc.schema.base import shown
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-from mimoc.schema.source import Source
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.source import Source, dump
 
 Meaning = TypeVar("Meaning")
 
-MIMO_AGE_MONTHS = 18
-"""Age of MIMo's body (Mattern et al. 2024)."""
+MIMO_AGE_MONTHS = 18  # Age of MIMo's body (Mattern et al. 2024).
 
 _FLAGS = {"yes": True, "no": False, "on": True, "off": False, "true": True, "false": False}
 """Words that YAML 1.1, used by most systems, reads as true and false; YAML 1.2, used here, has most of them as text."""
@@ -152,12 +150,9 @@ class Imported:
     """A spec, with notes on the settings that it does not represent exactly."""
 
     system: str
-    file: str
-    """File name of the configuration, as shown in messages."""
-    spec: dict[str, Any]
-    """The sections of the spec, in the order of writing."""
-    notes: tuple[Problem, ...]
-    """One note for each key without an exact counterpart, by line."""
+    file: str  # File name of the configuration, as shown in messages.
+    spec: dict[str, Any]  # The sections of the spec, in the order of writing.
+    notes: tuple[Problem, ...]  # One note for each key without an exact counterpart, by line.
     scene: Callable[[str], Mapping[str, bytes]] | None = None
     """Returns the scene for the infant and its assets, for a spec whose file has some stem: content by path relative to
     the folder of the spec, the scene first."""

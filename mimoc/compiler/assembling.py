@@ -1,34 +1,29 @@
 """Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from typing import Literal
 
 from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
-from mimoc.base.units import deg_to_rad, ms_to_s
-from mimoc.body.head_surface import head_radius, on_head
-from mimoc.body.limits import limits_of
+from mimoc.base.units import ms_to_s
+from mimoc.body.joints import limits_of
 from mimoc.body.poses import poses_of, resting_states, standing_height
-from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint
-from mimoc.compiler.actuation.setup import ActuationSetup
+from mimoc.body.surface import head_radius, on_head
+from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom
+from mimoc.compiler.actuation import ActuationSetup
 from mimoc.compiler.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
 from mimoc.compiler.looks.skin.deformation import skin_of
 from mimoc.compiler.looks.skin.template_mesh import HEAD
 from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.compiler.mjcf import sensor_sites
-from mimoc.compiler.mjcf.elements import Node, PrintedGeom, PrintedJoint, PrintedTendon
+from mimoc.compiler.mjcf.elements import Node
 from mimoc.compiler.mjcf.scene import Keyframe, Placed, SceneTree, Solver
 from mimoc.compiler.mjcf.world import World
-from mimoc.schema.components.senses import SENSES
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.kinds import SENSES
 from mimoc.schema.names import bodies_of
 from mimoc.schema.scene import SceneSpec
-
-GRIPPING = (("priority", (1.0,)), ("solref", (0.01, 1.0)), ("solimp", (0.999, 0.9999, 0.001, 0.5, 1.0)))
-"""Contacts of a hand that holds on: those of the hand, whatever it touches, and so stiff that they hardly slip.
-
-MuJoCo's friction is soft: with other geoms' contacts, 1 to 2 N squeeze a rod out of a newborn's hand (D)."""
-
 
 UPRIGHT = frozenset(("upper_body", "chest", "head"))
 """Parts of which each, if it is held, keeps a sitting infant upright."""
@@ -41,8 +36,6 @@ def keyframes(tree: BodyTree, held: Collection[str] = ()) -> tuple[Keyframe, ...
 
 
 LOOKS_GROUP = 1
-SLIPPERY = (("priority", (2.0,)),)
-"""Contacts of an eye: without friction, whatever it touches."""
 EYEBALLS = tuple(EYE[0].format(side=side) for side in EYE_SIDES)
 
 
@@ -79,10 +72,10 @@ def assemble_infant(
         parts[body.name] = Node(
             name=body.name,
             pos_m=hip_m if is_root else body.pos_m,
-            euler_rad=_radians(body.euler_deg),
+            euler_deg=body.euler_deg,
             free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
-            geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
+            joints=tuple(actuation.joints[joint.name] for joint in body.joints),
+            geoms=(*(replace(geom, group=group) for geom in body.geoms), *_features(body, has_skin)),
             sites=tuple(site for sites in sites_by_source for site in sites.get(body.name, ())),
             cameras=cameras.get(body.name, ()),
             children=tuple(parts[child.name] for child in tree.bodies if child.parent == body.name),
@@ -101,7 +94,7 @@ def assemble_infant(
         appearance=dress_skin(expression, skin.names, spec.body.looks, spec.clothes, round_head=round_head)
         if skin
         else add_materials(expression, spec.body.looks, spec.clothes, round_head=round_head),
-        tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
+        tendons=tree.tendons,
         excluded=tree.excluded,
         frictionless=tree.frictionless,
         joint_defaults=limits_of(tree.development),
@@ -119,51 +112,17 @@ def assemble_infant(
     )
 
 
-def _joint(joint: Joint) -> PrintedJoint:
-    low, high = joint.range_deg
-    return PrintedJoint(
-        name=joint.name,
-        axis=joint.axis,
-        pos_m=joint.anchor_m,
-        range_rad=(deg_to_rad(low), deg_to_rad(high)),
-        stiffness_nm_per_rad=joint.stiffness_nm_per_rad,
-        damping_nms_per_rad=joint.damping_nms_per_rad,
-        frictionloss_nm=joint.frictionloss_nm,
-        armature_kgm2=joint.armature_kgm2,
-        springref_rad=deg_to_rad(joint.springref_deg),
-        settings=(("margin", deg_to_rad(joint.margin_deg)),) if joint.margin_deg else (),
-    )
-
-
-def _geom(geom: Geom, group: int) -> PrintedGeom:
-    return PrintedGeom(
-        name=geom.name,
-        type=geom.type,
-        size_m=geom.size_m,
-        pos_m=geom.pos_m,
-        euler_rad=_radians(geom.euler_deg),
-        mass_kg=geom.mass_kg,
-        material=geom.material,
-        friction=geom.friction,
-        contype=geom.contype,
-        conaffinity=geom.conaffinity,
-        condim=geom.condim,
-        group=group,
-        settings=GRIPPING if geom.grips else SLIPPERY if geom.slippery else (),
-    )
-
-
-def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
+def _features(body: Body, has_skin: bool) -> tuple[Geom, ...]:
     if body.name != "head":
         return ()
     head = next(geom for geom in body.geoms if geom.name == body.name)
     return tuple(
-        PrintedGeom(
+        Geom(
             name=feature.name,
             type=feature.type,
             size_m=tuple(head_radius(head) * size for size in feature.size),
             pos_m=on_head(head, feature.pos),
-            euler_rad=_radians(feature.euler_deg),
+            euler_deg=feature.euler_deg,
             mass_kg=0.0,
             material=feature.material,
             friction=(1.0, 0.005, 0.0002),
@@ -174,8 +133,3 @@ def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
         )
         for feature in HEAD_FEATURES
     )
-
-
-def _radians(euler_deg: tuple[float, float, float]) -> tuple[float, float, float]:
-    x, y, z = map(deg_to_rad, euler_deg)
-    return x, y, z

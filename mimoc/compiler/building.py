@@ -20,17 +20,15 @@ from mimoc.bundle.face import MOVING, array_of
 from mimoc.bundle.io import Bundle, lock_files
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
-from mimoc.compiler.actuation.setup import ActuationSetup, build_actuation, trace_voice
+from mimoc.compiler.actuation import ActuationSetup, build_actuation, trace_voice
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
-from mimoc.compiler.delays.presets import trace_delays
 from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.mimo import find_target
 from mimoc.compiler.mjcf.scene import Placed, SceneTree
 from mimoc.compiler.mjcf.skin import Skin
 from mimoc.compiler.model_check import compile_model, trace_model_error
-from mimoc.compiler.noise_presets import trace_noise
 from mimoc.compiler.notes import notes, notes_on_shapes
 from mimoc.compiler.placing import (
     PlacedScene,
@@ -41,6 +39,7 @@ from mimoc.compiler.placing import (
     place_in_scene,
     set_up_task,
 )
+from mimoc.compiler.presets import trace_delays, trace_noise
 from mimoc.compiler.provenance import (
     SPEC_FILE,
     trace_actuation,
@@ -52,11 +51,11 @@ from mimoc.compiler.provenance import (
     trace_task,
     trace_world,
 )
-from mimoc.compiler.scenes.footprint import footprint
+from mimoc.compiler.scenes import footprint
 from mimoc.compiler.task_setup import TaskSetup
 from mimoc.fits import load_tables
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.source import dump
 from mimoc.version import __version__
 
 
@@ -65,12 +64,9 @@ class Builder:
     """A spec whose infant has been built, and whose scene is built for each seed."""
 
     spec: InfantSpec
-    target: str | None
-    """Name of the other software that it is built for, if any."""
-    grown: GrownBody
-    """The infant's body as it grew."""
-    tree: BodyTree
-    """That body, as the target has it."""
+    target: str | None  # Name of the other software that it is built for, if any.
+    grown: GrownBody  # The infant's body as it grew.
+    tree: BodyTree  # That body, as the target has it.
     actuation: ActuationSetup
     senses: Mapping[str, Placed]
     infant: SceneTree
@@ -78,10 +74,8 @@ class Builder:
     task_setup: TaskSetup
     footprint: npt.NDArray[np.float64]
     """The floor area that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
-    scene_assets: SceneAssets
-    """The toys and wallpapers that scenes choose from."""
-    manifest: Manifest
-    """The manifest, without the fields that depend on the seed."""
+    scene_assets: SceneAssets  # The toys and wallpapers that scenes choose from.
+    manifest: Manifest  # The manifest, without the fields that depend on the seed.
     has_skin: bool
 
     @cached_property
@@ -97,12 +91,10 @@ class Builder:
 
     @cached_property
     def _mjcf(self) -> Mapping[str, bytes]:
-        """The infant's MJCF and its assets, by path in the bundle."""
         return printing.render_infant(self.infant)
 
     @cached_property
     def _inhabitant(self) -> bytes:
-        """The MJCF of the infant as it is in its scenes."""
         return printing.render_inhabitant(self.infant) if self.infant.skin else self._mjcf[printing.INFANT]
 
     def mjcf_of(self, furnished: PlacedScene) -> Mapping[str, bytes]:
@@ -150,7 +142,6 @@ class Builder:
         return f"Builder({self.spec.name!r}, {self.spec.age_months:g} months)"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the spec: copies and other processes build the infant again."""
         return builder, (self.spec, self.target, None, self.has_skin)
 
     def watched(self, progress: Callable[[int, int], None]) -> "Builder":

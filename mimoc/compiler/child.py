@@ -23,10 +23,8 @@ Children born after 22 weeks are .57 times as long as those born at term, weigh 
 BMC Pediatrics 13:59), and so have .5 times their girths; their heads have .59 times the girth. Hydrocephalus makes a
 newborn's head up to 1.8 times as large (60 cm). Overgrowth and lymphoedema double the girth of a limb.
 """
-PRECISION = 1e-7
-"""Precision of the limit of possible values, relative to its distance from a possible value."""
-FARTHEST = 0.5
-"""Smallest value that is tried, relative to the default value; its inverse is the largest."""
+PRECISION = 1e-7  # Precision of the limit of possible values, relative to its distance from a possible value.
+FARTHEST = 0.5  # Smallest value that is tried, relative to the default value; its inverse is the largest.
 
 
 def checked_or_average(spec: InfantSpec | None) -> InfantSpec:
@@ -51,7 +49,6 @@ def check_available(spec: InfantSpec) -> None:
 
 
 def _problems_of_measurements(spec: InfantSpec) -> Iterator[Problem]:
-    """Yield a problem for each measurement that this body does not follow, or that no child of its age has."""
     anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
     written, average = as_written(spec), measure(spec.corrected_age_months, CURVES[spec.development])
     for key, value_cm in spec.body.measurements.items():
@@ -75,8 +72,7 @@ class Suspect:
 
     path: KeyPath
     value: float
-    neutral: float
-    """Its value if it were not given."""
+    neutral: float  # Its value if it were not given.
 
     @property
     def deviation(self) -> float:
@@ -155,8 +151,6 @@ def _culprit(spec: InfantSpec) -> tuple[KeyPath, str]:
 
 
 def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Callable[[InfantSpec], bool]) -> float:
-    """Return the possible value that is nearest to the given one."""
-
     def value(share: float) -> float:
         return good + share * (suspect.value - good)
 

@@ -13,10 +13,8 @@ from mimoc.compiler.task_setup import Hold, TaskSetup
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 
-SAME = 1e-6
-"""Tolerance, in [m] or [rad], within which two poses count as satisfying the same constraint."""
-FIRM, LOOSE = 1.0, 0.0
-"""`torquescale` of a part whose orientation is fixed, and of one that can turn about a point."""
+SAME = 1e-6  # Tolerance, in [m] or [rad], within which two poses count as satisfying the same constraint.
+FIRM, LOOSE = 1.0, 0.0  # `torquescale` of a part whose orientation is fixed, and of one that can turn about a point.
 
 
 def locked_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[str, ...]:

@@ -30,8 +30,7 @@ class Explanation:
     """A number, the rule that gives it, and the numbers that the rule depends on."""
 
     key: str
-    lines: tuple[str, ...]
-    """Value and unit, then the rule, its data, and the XML attribute that it is written to."""
+    lines: tuple[str, ...]  # Value and unit, then the rule, its data, and the XML attribute that it is written to.
     sources: tuple["Explanation", ...]
 
 

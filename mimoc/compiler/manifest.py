@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from mimoc.anatomy.parts import PARTS
-from mimoc.base.kinds import Kinds
+from mimoc.base.kinds import Registry
 from mimoc.base.rounding import rounded
 from mimoc.body.kinematics import stature
 from mimoc.body.tree import FREE_JOINT, BodyTree
@@ -20,45 +20,34 @@ from mimoc.bundle.manifest import (
     ToyEntry,
     WeldEntry,
 )
-from mimoc.compiler.actuation.setup import voice_of
+from mimoc.compiler.actuation import voice_of
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
-from mimoc.compiler.delays.presets import delays
 from mimoc.compiler.looks.appearance import face_material
 from mimoc.compiler.mjcf.scene import Placed, SceneTree
 from mimoc.compiler.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.compiler.mjcf.world import FreeObject
-from mimoc.compiler.noise_presets import noise
 from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.placing import start_pose
+from mimoc.compiler.presets import delays, noise
 from mimoc.compiler.task_setup import TaskSetup
 from mimoc.schema.actuation import ActuationEntry, ActuatorEntry
+from mimoc.schema.body import EXPRESSIONS
 from mimoc.schema.caregiver import CaregiverEntry
-from mimoc.schema.components.actuation import ACTUATIONS
-from mimoc.schema.components.objects import OBJECTS
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.components.toys import TOY_SOURCES
-from mimoc.schema.expressions import EXPRESSIONS
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.object_base import ObjectEntry
+from mimoc.schema.kinds import ACTUATIONS, OBJECTS, SCENES, SENSES, TASKS, TOY_SOURCES
+from mimoc.schema.objects import ObjectEntry
 from mimoc.schema.senses import SensesEntry
 
 Side = Literal["left", "right"]
-Ends = tuple[str, str]
-"""Names of two things, with `{side}`."""
+Ends = tuple[str, str]  # Names of two things, with `{side}`.
 
 HEAD = "head"
-ARM: Ends = ("{side}_upper_arm", "{side}_hand")
-"""First and last body; fingers are parts of the hand."""
-LEG: Ends = ("{side}_upper_leg", "{side}_foot")
-"""First and last body; toes are parts of the foot."""
-EYE: Ends = ("{side}_eye", "eye_{side}")
-"""Body and camera."""
+ARM: Ends = ("{side}_upper_arm", "{side}_hand")  # First and last body; fingers are parts of the hand.
+LEG: Ends = ("{side}_upper_leg", "{side}_foot")  # First and last body; toes are parts of the foot.
+EYE: Ends = ("{side}_eye", "eye_{side}")  # Body and camera.
 
 LIMB_SIDES: tuple[Side, Side] = ("right", "left")
-EYE_SIDES: tuple[Side, Side] = ("left", "right")
-"""Sides in MIMo's order."""
+EYE_SIDES: tuple[Side, Side] = ("left", "right")  # Sides in MIMo's order.
 
 
 def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
@@ -92,7 +81,14 @@ def make_manifest(
     spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup
 ) -> Manifest:
     """Return the manifest of a scene, numbers rounded as in its file."""
-    child = _child(spec, tree)
+    child = ChildEntry(
+        age_months=spec.age_months,
+        months_early=spec.months_early,
+        sex=spec.body.individual and spec.body.individual.sex,
+        clothes=spec.clothes,
+        size_is_known=spec.body.size_is_known,
+        **stature(tree),
+    )
     locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     commanded = commanded_joints(spec, tree, setup)
     voice = voice_of(tree) if spec.actuation.voice else None
@@ -150,17 +146,6 @@ def make_manifest(
     return Manifest.model_validate(rounded(manifest.model_dump()))
 
 
-def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
-    return ChildEntry(
-        age_months=spec.age_months,
-        months_early=spec.months_early,
-        sex=spec.body.individual and spec.body.individual.sex,
-        clothes=spec.clothes,
-        size_is_known=spec.body.size_is_known,
-        **stature(tree),
-    )
-
-
 def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
     """Return the entries of toys in the manifest."""
     keys = ("joint", "object", "category", "source", "size_m", "mass_kg")
@@ -178,7 +163,7 @@ def rounded_caregiver(entry: CaregiverEntry | None) -> CaregiverEntry | None:
     return entry and CaregiverEntry.model_validate(rounded(entry.model_dump()))
 
 
-def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
+def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Registry[Any], str]]:
     """Yield the group, the table and the name of each kind that a spec uses."""
     for name in SENSES:
         if getattr(spec.senses, name) is not None:

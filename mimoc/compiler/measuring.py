@@ -4,6 +4,7 @@ The survey's own descriptions of the postures were not at hand (M): lengths of l
 right angles, breadths and girths on the straight body, girths around the convex hull of a section.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
@@ -11,33 +12,29 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.geometry.primitives import Solids
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.base.geometry.sections import Solids
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
-from mimoc.base.units import deg_to_rad, ms_to_s
-from mimoc.bundle.model import in_subtrees
-from mimoc.bundle.primitives import solid_extents
-from mimoc.compiler.actuation.setup import build_actuation
+from mimoc.base.units import ms_to_s
+from mimoc.bundle.model import in_subtrees, solid_extents
+from mimoc.compiler.actuation import build_actuation
 from mimoc.compiler.assembling import assemble_infant
 from mimoc.compiler.child import child_of
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.mimo import GEOM
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.placing import SceneAssets, place_in_scene
-from mimoc.compiler.variants import at_age_unchecked, errors_at
+from mimoc.compiler.variants import at_age, errors_at
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
 from mimoc.schema.scene import SceneSpec
 
-SAME = 1e-6
-"""Relative difference from which on a key is said to change a measure; files hold nine digits."""
-ROOT = "hip"
-"""The root body of the infant."""
+SAME = 1e-6  # Relative difference from which on a key is said to change a measure; files hold nine digits.
+ROOT = "hip"  # The root body of the infant.
 
 IntArray = npt.NDArray[np.intp]
 Row = TypeVar("Row")
-Progress = Callable[[int, int], None]
-"""Called with the number of infants measured and their total number."""
+Progress = Callable[[int, int], None]  # Called with the number of infants measured and their total number.
 
 
 def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
@@ -83,7 +80,7 @@ def compare_at_ages(
     rows: list[Row] = []
     for done, age_months in enumerate(ages_months, start=1):
         with errors_at(spec, age_months):
-            rows += compare(at_age_unchecked(spec, age_months))
+            rows += compare(at_age(spec, age_months, checked=False))
         if progress:
             progress(done, len(ages_months))
     return tuple(rows)
@@ -122,7 +119,7 @@ class Figure:
         self.data.qpos[3] = 1
         for side in ("left", "right"):
             for joint, angle_deg in angles_deg.items():
-                self._bend(f"robot:{joint.format(side=side)}", deg_to_rad(angle_deg))
+                self._bend(f"robot:{joint.format(side=side)}", math.radians(angle_deg))
         mujoco.mj_kinematics(self.model, self.data)
         for side in ("left", "right"):
             if f"{side}_upper_arm" in self.bodies:
@@ -176,8 +173,7 @@ class Figure:
         return Solids(solid_extents(self.model, geoms), self.data.geom_xpos[geoms], rotations)
 
 
-Measure = Callable[[Figure, str], float]
-"""From an infant and the side to measure to a length in [m]."""
+Measure = Callable[[Figure, str], float]  # From an infant and the side to measure to a length in [m].
 
 
 def _length(low_and_high: tuple[float, float]) -> float:
@@ -185,8 +181,6 @@ def _length(low_and_high: tuple[float, float]) -> float:
 
 
 def _girth_of(geom: str) -> Measure:
-    """Return the measurement with a tape around the middle of a part's geom, which lies along z."""
-
     def measure(figure: Figure, side: str) -> float:
         name = geom.format(side=side)
         axis = figure.directions(name)[2]
@@ -221,7 +215,6 @@ def _rump_knee(figure: Figure, side: str) -> float:
 
 
 def _knee_sole(figure: Figure, side: str) -> float:
-    """Return the height of the knee above the joint."""
     sole_m, _ = figure.pose(SITTING).limb(f"{side}_foot").span(UP)
     knee = figure.solids(f"{side}_upper_leg", f"{side}_lower_leg")
     top_m = knee.section_reach(FORWARD, float(figure.anchor(f"{side}_knee")[0]), UP[None])
@@ -258,7 +251,6 @@ def _extent(root: str, direction: FloatArray) -> Measure:
 
 
 def _span(direction: FloatArray, *bodies: str, posture: Mapping[str, float] = STRAIGHT) -> Measure:
-    """Return the measurement of some bodies with calipers, in a posture."""
     return lambda figure, side: _length(
         figure.pose(posture).solids(*(body.format(side=side) for body in bodies)).span(direction)
     )

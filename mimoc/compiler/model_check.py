@@ -12,11 +12,7 @@ from mimoc.schema.source import Source
 
 
 def compile_model(files: Mapping[str, bytes]) -> mujoco.MjModel:
-    """Return the compiled scene of a bundle's files.
-
-    Raises:
-        ModelError: If MuJoCo rejects it.
-    """
+    """Return the compiled scene of a bundle's files; raise a ModelError if MuJoCo rejects it."""
     try:
         return mujoco.MjModel.from_xml_string(*mjcf_of(files, "scene.xml"))
     except ValueError as error:
@@ -46,7 +42,6 @@ def _sources(element: str, provenance: Mapping[str, Mapping[str, Any]]) -> set[s
 
 
 def _refusal(files: Mapping[str, bytes]) -> str | None:
-    """Return MuJoCo's message for `infant.xml` alone, whose line numbers are those of this file."""
     try:
         mujoco.MjModel.from_xml_string(*mjcf_of(files, "infant.xml"))
     except ValueError as error:

@@ -7,6 +7,7 @@ that of the first infant stays.
 """
 
 import copy
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import chain
@@ -18,33 +19,36 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.rounding import rounded_array
+from mimoc.body.tree import Geom, Joint, Tendon
 from mimoc.bundle.model import prepare
-from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
+from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, Site
 from mimoc.compiler.mjcf.furniture import WorldGeom
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.skin import Skin, single, texture_places
 from mimoc.compiler.mjcf.world import FreeObject, Lock, ObjectBody, Ribbon
 from mimoc.compiler.model_check import compile_model
 
-XML_NAMES = {"euler": "alt.euler", "radius": "size", "angle": "data", "control": "ctrlrange", "user": "userdata"}
+XML_NAMES = {
+    "euler": "alt.euler",
+    "radius": "size",
+    "angle": "data",
+    "control": "ctrlrange",
+    "user": "userdata",
+    "anchor": "pos",
+}
 """What MuJoCo's elements call an attribute if that is neither its name in MJCF nor what its field begins with."""
 
-Slot = tuple[Any, str]
-"""An element, and the attribute that begins with some numbers."""
+Slot = tuple[Any, str]  # An element, and the attribute that begins with some numbers.
 
 
 @dataclass(frozen=True, slots=True)
 class SceneLayout:
     """How some elements are read."""
 
-    elements: str
-    """Where `MjSpec` lists them."""
-    attributes: Callable[[Any], tuple[Any, ...]]
-    """MuJoCo's names of what has numbers."""
-    numbers: Callable[[Any], tuple[Any, ...]]
-    """Each a number or several."""
-    rest: Callable[[Any], Any]
-    """Everything else."""
+    elements: str  # Where `MjSpec` lists them.
+    attributes: Callable[[Any], tuple[Any, ...]]  # MuJoCo's names of what has numbers.
+    numbers: Callable[[Any], tuple[Any, ...]]  # Each a number or several.
+    rest: Callable[[Any], Any]  # Everything else.
 
 
 def _form(kind: type, elements: str, changing: str, others: str = "") -> SceneLayout:
@@ -53,16 +57,24 @@ def _form(kind: type, elements: str, changing: str, others: str = "") -> SceneLa
     Args:
         kind: Their class.
         elements: Where `MjSpec` lists them.
-        changing: The fields with numbers that can change, whose names begin with the attribute.
+        changing: The fields with numbers that can change, whose names begin with the attribute; the model has degrees
+            in radians.
         others: Fields that are read elsewhere, such as those that hold other elements.
     """
     numbers = changing.split()
     names = tuple(XML_NAMES.get(name, name) for name in (field.partition("_")[0] for field in numbers))
     rest = attrgetter(*(field.name for field in fields(kind) if field.name not in {*numbers, *others.split()}))
-    read: Any = (
-        attrgetter(*numbers) if len(numbers) > 1 else lambda element: tuple(getattr(element, key) for key in numbers)
-    )
+
+    def read(element: Any) -> tuple[Any, ...]:
+        return tuple(
+            _radians(getattr(element, key)) if key.endswith("_deg") else getattr(element, key) for key in numbers
+        )
+
     return SceneLayout(elements, lambda _: names, read, rest)
+
+
+def _radians(angle_deg: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    return tuple(map(math.radians, angle_deg)) if isinstance(angle_deg, tuple) else math.radians(angle_deg)
 
 
 def _with_settings(form: SceneLayout) -> SceneLayout:
@@ -75,11 +87,11 @@ def _with_settings(form: SceneLayout) -> SceneLayout:
     )
 
 
-BODY = _form(Node, "bodies", "pos_m euler_rad", "joints geoms sites cameras children")
-GEOM = _form(PrintedGeom, "geoms", "pos_m euler_rad size_m mass_kg")
+BODY = _form(Node, "bodies", "pos_m euler_deg", "joints geoms sites cameras children")
+GEOM = _form(Geom, "geoms", "pos_m euler_deg size_m mass_kg")
 SITE = _form(Site, "sites", "pos_m radius_m")
 CAMERA = _form(Camera, "cameras", "pos_m euler_rad")
-TENDON = _form(PrintedTendon, "tendons", "range_rad")
+TENDON = _form(Tendon, "tendons", "range_rad")
 FURNITURE = _form(WorldGeom, "geoms", "pos_m euler_rad size_m")
 OBJECT = _form(FreeObject, "bodies", "pos_m quat")
 THING = _form(ObjectBody, "bodies", "pos_m quat")
@@ -87,10 +99,10 @@ RIBBON = _form(Ribbon, "tendons", "range_m")
 LOCK = _form(Lock, "equalities", "angle_rad")
 JOINT = _with_settings(
     _form(
-        PrintedJoint,
+        Joint,
         "joints",
-        "axis pos_m range_rad stiffness_nm_per_rad damping_nms_per_rad frictionloss_nm armature_kgm2 springref_rad",
-        "settings",
+        "axis anchor_m range_deg stiffness_nm_per_rad damping_nms_per_rad frictionloss_nm armature_kgm2 springref_deg",
+        "margin_deg changes",
     )
 )
 ACTUATOR = _with_settings(_form(Actuator, "actuators", "gear control_range", "settings tone"))  # Tone is not MuJoCo's.
@@ -166,14 +178,10 @@ class DifferenceError(Exception):
 class ModelInstance:
     """The model of a scene, of which copies can be had."""
 
-    shared: mujoco.MjModel
-    """What never changes, such as textures."""
-    numbers: mujoco.MjModel
-    """All else."""
-    arrays: Sequence[str]
-    """The names of the arrays with this."""
-    skin: Skin | None
-    """Its skin, which MuJoCo only copies."""
+    shared: mujoco.MjModel  # What never changes, such as textures.
+    numbers: mujoco.MjModel  # All else.
+    arrays: Sequence[str]  # The names of the arrays with this.
+    skin: Skin | None  # Its skin, which MuJoCo only copies.
 
     def model(self) -> mujoco.MjModel:
         """Return a model of one's own, with the skin of the template."""
@@ -202,11 +210,7 @@ class ModelTemplate:
     """A scene whose numbers can be changed."""
 
     def __init__(self, files: Mapping[str, bytes], scene: SceneTree):
-        """Keep a scene, and the model of the files that it was printed to.
-
-        Raises:
-            ModelError: If MuJoCo rejects it.
-        """
+        """Keep a scene, and the model of the files that it was printed to; raise a ModelError if MuJoCo rejects it."""
         self._model, self._spec = compile_model(files), without_textures(files)
         self._numbers, self._rest = read(scene)
         self._slots = parameters(scene, self._spec)
@@ -254,14 +258,12 @@ def model_without_pictures(files: Mapping[str, bytes]) -> mujoco.MjModel:
 
 
 def _same_arrays(model: mujoco.MjModel, without_textures: mujoco.MjModel) -> list[str]:
-    """Return the names of the arrays whose numbers can depend on age."""
     names = [name for name in dir(model) if name.split("_")[0].rstrip("0") in KINDS or name.startswith("qpos")]
     arrays = [name for name in names if isinstance(getattr(model, name), np.ndarray) and getattr(model, name).size]
     return [name for name in arrays if np.array_equal(getattr(model, name), getattr(without_textures, name))]
 
 
 def _write(changes: Sequence[tuple[Slot, npt.NDArray[Any] | None, Any]]) -> None:
-    """Write numbers, as they are read from where they are printed, to where attributes begin."""
     several = [numbers if isinstance(numbers, tuple) else (numbers,) for *_, numbers in changes]
     printed = rounded_array(np.array([*chain(*several)], float))
     end = 0

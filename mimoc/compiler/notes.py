@@ -7,19 +7,16 @@ have is refused instead (`schema/spec.py`).
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from mimoc.base.kinds import Kinds
+from mimoc.base.kinds import Registry
 from mimoc.compiler.mjcf.mimo import find_target
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.provenance import SCALE_NOT_KNOWN
-from mimoc.compiler.toys.choosing import Toybox
+from mimoc.compiler.toys.placing import Toybox
 from mimoc.schema.base import dotted, given
 from mimoc.schema.body import FAT
-from mimoc.schema.components.actuation import ACTUATIONS
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.components.toys import TOY_SOURCES
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.kinds import ACTUATIONS, SCENES, TASKS, TOY_SOURCES
 from mimoc.schema.names import single_groups
 from mimoc.schema.scene import SceneSpec
 from mimoc.schema.sizes import pairs
@@ -80,7 +77,7 @@ def _unused_of_vision(vision: Any) -> Iterator[tuple[str, str]]:
             yield f"senses.vision.{key}", "senses.vision.foveation is 0"
 
 
-def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> Iterator[tuple[str, str]]:
+def _other_kinds(section: str, key: str, given: Any, kinds: Registry[Any]) -> Iterator[tuple[str, str]]:
     """Yield sections that belong to other kinds than the chosen one, and why they have no effect."""
     chosen = getattr(given, key)
     for kind in kinds.values():
@@ -105,12 +102,10 @@ def notes_on_shapes(toys: Iterable[FreeObject], things: Iterable[PlacedThing]) -
     return tuple(dict.fromkeys(note for notes in said for note in notes))
 
 
-DIFFERS = "differs from a healthy child"
-"""How the note on impairments begins."""
+DIFFERS = "differs from a healthy child"  # How the note on impairments begins.
 
 
 def _impaired(spec: InfantSpec) -> Iterator[str]:
-    """Yield what differs from a healthy child, in a line."""
     if spec.impairments is None or not (asked := given(spec.impairments.complete)):
         return
     preset, side = spec.impairments.preset, spec.impairments.side

@@ -11,10 +11,9 @@ from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.objects.built_object import PlacedThing
-from mimoc.schema.object_base import ObjectSpec
+from mimoc.schema.objects import ObjectSpec
 
-LONGER_M = 1e-5
-"""By how much the way of a ribbon may be longer than that is: numbers are rounded."""
+LONGER_M = 1e-5  # By how much the way of a ribbon may be longer than that is: numbers are rounded.
 
 
 def free_poses(
@@ -81,7 +80,6 @@ def _deepest(
 
 
 def _ribbons_reach(model: mujoco.MjModel, data: mujoco.MjData, things: Sequence[PlacedThing]) -> bool:
-    """Return whether all ribbons are long enough in a state whose kinematics have been computed."""
     mujoco.mj_tendon(model, data)
     ribbons = [ribbon for thing in things for ribbon in thing.elements.ribbons]
     return all(data.ten_length[model.tendon(ribbon.name).id] <= ribbon.range_m[1] + LONGER_M for ribbon in ribbons)
@@ -99,6 +97,5 @@ def _refusal(
 
 
 def _name(model: mujoco.MjModel, geom: int) -> str:
-    """Return the name of the body of a geom, or its own if it is of the world."""
     body = model.geom_bodyid[geom]
     return model.body(body).name if body else model.geom(geom).name

@@ -14,27 +14,22 @@ from mimoc.base.random_streams import stream
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.actuation.setup import ActuationSetup
-from mimoc.compiler.caregiver.build import place_caregiver, settings_at
+from mimoc.compiler.actuation import ActuationSetup
+from mimoc.compiler.caregiver import place_caregiver, settings_at
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
-from mimoc.compiler.looks.user_textures import read_textures
-from mimoc.compiler.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
+from mimoc.compiler.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers, read_textures
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import NOBODY, FreeObject, barrier_pairs
 from mimoc.compiler.object_check import free_poses
 from mimoc.compiler.objects.built_object import PlacedThing, Surroundings
-from mimoc.compiler.objects.placing import place_objects, trace_objects
-from mimoc.compiler.objects.starts import place_furniture, start_at
-from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
-from mimoc.compiler.scenes.footprint import footprint, reach_of, reachable_floor
+from mimoc.compiler.objects.placing import place_furniture, place_objects, start_at, trace_objects
+from mimoc.compiler.scenes import WEIGHTLESS, BuiltScene, Occupant, Placement, footprint, reach_of, reachable_floor
 from mimoc.compiler.task_setup import NO_TASK, TaskSetup, build_task
-from mimoc.compiler.toys.choosing import Toybox, choose_toys
 from mimoc.compiler.toys.objects import make_object
-from mimoc.compiler.toys.placing import Floor, ReachableFloor, place_toys
+from mimoc.compiler.toys.placing import Floor, ReachableFloor, Toybox, choose_toys, place_toys
 from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.components.toys import TOY_SOURCES
 from mimoc.schema.infant import InfantSpec, as_written
+from mimoc.schema.kinds import SCENES, TOY_SOURCES
 from mimoc.schema.scene import SceneSpec
 from mimoc.schema.source import Source
 from mimoc.schema.toys import ToysSpec
@@ -124,17 +119,12 @@ def place_discs(discs: FloatArray, start: Placement) -> FloatArray:
 class PlacedScene:
     """An infant in the world of its spec."""
 
-    scene: SceneTree
-    """The infant and its world, ready to print."""
+    scene: SceneTree  # The infant and its world, ready to print.
     toys: tuple[FreeObject, ...]
-    task_objects: tuple[FreeObject, ...]
-    """The movable objects of the task."""
-    origins: Mapping[str, Entry]
-    """Provenance of the numbers of the scene."""
-    things: tuple[PlacedThing, ...] = ()
-    """The objects of the spec."""
-    caregiver: CaregiverEntry | None = None
-    """What the manifest says of the caregiver."""
+    task_objects: tuple[FreeObject, ...]  # The movable objects of the task.
+    origins: Mapping[str, Entry]  # Provenance of the numbers of the scene.
+    things: tuple[PlacedThing, ...] = ()  # The objects of the spec.
+    caregiver: CaregiverEntry | None = None  # What the manifest says of the caregiver.
 
 
 def set_up_task(

@@ -1,28 +1,27 @@
 """Where each number of a bundle comes from: of its spec, task and plug-ins, its world, its actuators and its child."""
 
+import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from mimoc import fits
 from mimoc.anatomy.parts import PARTS
-from mimoc.base.units import deg_to_rad
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.bundle.world import file_of
-from mimoc.compiler.actuation.setup import ActuationSetup, Origin
+from mimoc.compiler.actuation import ActuationSetup, Origin
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.placing import PlacedScene
 from mimoc.compiler.toys.objects import mass_entry, trace_toys
 from mimoc.fits.who import percentile
+from mimoc.schema.body import BODYSUIT_UNTIL_MONTHS
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.looks import BODYSUIT_UNTIL_MONTHS
 from mimoc.schema.reading import FileModel
 from mimoc.schema.source import Source
-from mimoc.schema.task_base import TaskEntry
+from mimoc.schema.task import TaskEntry
 
-SPEC_FILE = "spec.yaml"
-"""The spec in a bundle, as it was written."""
+SPEC_FILE = "spec.yaml"  # The spec in a bundle, as it was written.
 
 
 def trace_spec(spec: FileModel, written: Source) -> dict[str, Entry]:
@@ -36,7 +35,6 @@ def trace_spec(spec: FileModel, written: Source) -> dict[str, Entry]:
 
 
 def _leaves(data: Mapping[str, Any], above: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Any]]:
-    """Return the path and value of everything in nested data that is not a section."""
     leaves = []
     for key, value in data.items():
         path = (*above, key)
@@ -147,12 +145,13 @@ def trace_actuation(model: str, tree: BodyTree, setup: ActuationSetup, entries: 
 
 def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for each spring and damper that is not as the body has it."""
+    of_body = tree.joints
     for name, joint in setup.joints.items():
         for attribute, (field, unit) in OF_JOINTS.items():
             value = getattr(joint, field)
-            if value != getattr(tree.joints[name], field):
+            if value != getattr(of_body[name], field):
                 key, xml = f"joint.{name}.{attribute}", f"infant.xml: joint[@name='{name}']/@{attribute}"
-                written = deg_to_rad(value) if unit == "rad" else value
+                written = math.radians(value) if unit == "rad" else value
                 yield key, setup.origins.get(key, unknown).entry(written, xml, unit)
 
 
@@ -253,7 +252,6 @@ def trace_infant(name: str, prefix: str, entries: Mapping[str, Entry]) -> Iterat
 
 
 def _xml_in_world(xml: str, prefix: str) -> str:
-    """Return where in the world's MJCF what is in an infant's stands."""
     if xml.startswith("scene.xml"):
         return xml  # Things of its task, whose names have their prefix already.
     in_world_file = xml.replace("infant.xml:", "scene.xml:").replace("[@name='", f"[@name='{prefix}")

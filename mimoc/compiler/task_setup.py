@@ -11,9 +11,8 @@ from mimoc.base.kinds import function_of
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.furniture import BARE, Furniture, WorldMaterial
 from mimoc.compiler.mjcf.world import FreeObject, ObjectGeom
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.task import no_task
-from mimoc.schema.task_base import BallEntry, TaskEntry, TaskSpec
+from mimoc.schema.kinds import TASKS
+from mimoc.schema.task import BallEntry, TaskEntry, TaskSpec, no_task
 
 Side = Literal["left", "right"]
 
@@ -23,10 +22,8 @@ class Hold:
     """A part of the infant that is fixed at its starting position."""
 
     body: str
-    anchor_m: Vec3 = (0.0, 0.0, 0.0)
-    """The fixed point, in the frame of the body."""
-    turns: bool = False
-    """Whether the part can rotate about that point."""
+    anchor_m: Vec3 = (0.0, 0.0, 0.0)  # The fixed point, in the frame of the body.
+    turns: bool = False  # Whether the part can rotate about that point.
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +52,7 @@ class TaskSetup:
     """How far ahead of the infant the furniture is that it starts at."""
 
 
-NO_TASK = TaskSetup(no_task())
-"""Setup of an infant without a task."""
+NO_TASK = TaskSetup(no_task())  # Setup of an infant without a task.
 
 
 def build_task(spec: TaskSpec | None, tree: BodyTree, step_ms: float) -> TaskSetup:
@@ -79,11 +75,7 @@ def build_task(spec: TaskSpec | None, tree: BodyTree, step_ms: float) -> TaskSet
 
 
 def require(tree: BodyTree, task: str, *bodies: str) -> None:
-    """Check that an infant has the limbs that a task requires.
-
-    Raises:
-        UnsupportedTaskError: If it does not.
-    """
+    """Check that an infant has the limbs that a task requires; raise an UnsupportedTaskError if it does not."""
     missing = sorted(set(bodies) - {body.name for body in tree.bodies})
     if missing:
         raise UnsupportedTaskError(f"task '{task}' requires {' and '.join(missing)}, which this infant does not have")
@@ -127,10 +119,8 @@ def middle_finger(tree: BodyTree, side: Side) -> str:
 
 
 NAME = "ball"
-BALL = BallEntry(body="target", joint="target_joint", geom=NAME)
-"""Names of its body and joint: MIMo's."""
-RADIUS_M = 0.025
-"""Radius of the ball in MIMo's reaching task."""
+BALL = BallEntry(body="target", joint="target_joint", geom=NAME)  # Names of its body and joint: MIMo's.
+RADIUS_M = 0.025  # Radius of the ball in MIMo's reaching task.
 DENSITY_KG_M3 = 1000.0
 RED = WorldMaterial(NAME, (0.85, 0.16, 0.12, 1.0), specular=0.4, shininess=0.5)
 

@@ -23,30 +23,20 @@ from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec, as_written, read_spec
 
 
-def at_age(spec: InfantSpec, age_months: float) -> InfantSpec:
+def at_age(spec: InfantSpec, age_months: float, *, checked: bool = True) -> InfantSpec:
     """Return the spec of a spec's child at another age, which is as in manifests (`schema/infant.py`: what changes).
 
-    It keeps its clothes, so that its skin has the same vertices at all ages.
+    It keeps its clothes, so that its skin has the same vertices at all ages. If it is not *checked*, and only one
+    number changes, it has the same values, but is not written as a file is.
 
     Raises:
-        SpecError: If no spec can say so; the error lists all problems.
+        SpecError: If no spec can say so, such as of a child before its term; the error lists all problems.
     """
     if age_months == rounded(spec.age_months):
         return spec
-    other = spec.with_(age_months=age_months)
-    return other if other.clothes == spec.clothes else other.with_(body={"looks": {"clothes": spec.clothes}})
-
-
-def at_age_unchecked(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return a spec with the same values as `at_age`; where one number changes, it is not written as a file is.
-
-    Raises:
-        SpecError: If no spec can say so, such as of a child before its term.
-    """
-    if spec.body.measurements or spec.body.individual or age_months < spec.months_early:
-        return at_age(spec, age_months)
-    if age_months == rounded(spec.age_months):
-        return spec
+    if checked or spec.body.measurements or spec.body.individual or age_months < spec.months_early:
+        other = spec.with_(age_months=age_months)
+        return other if other.clothes == spec.clothes else other.with_(body={"looks": {"clothes": spec.clothes}})
     other = spec.model_copy(update={"age_months": age_months})
     if other.clothes == spec.clothes:
         return other
@@ -81,10 +71,8 @@ def _advised(problem: Problem, spec: InfantSpec) -> str:
     return f"{what}; leave this age out, or give what is {advice}"
 
 
-RESOLVED = "resolved.yaml"
-"""The file of a bundle that holds its whole spec."""
-KEPT = 8
-"""Ages whose infants are kept, since environments return to them."""
+RESOLVED = "resolved.yaml"  # The file of a bundle that holds its whole spec.
+KEPT = 8  # Ages whose infants are kept, since environments return to them.
 
 
 class SpecVariants:
@@ -109,7 +97,6 @@ class SpecVariants:
         return f"SpecVariants({self._spec.name!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle only the spec: copies and other processes build the infant again."""
         return SpecVariants, (self._spec, self._own.has_skin)
 
     @cached_property
@@ -160,7 +147,7 @@ class SpecVariants:
     def _build_at(self, age_months: float) -> Builder:
         if age_months == rounded(self._spec.age_months):
             return self._own
-        return self._at(at_age_unchecked(self._spec, age_months), self._own)
+        return self._at(at_age(self._spec, age_months, checked=False), self._own)
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)

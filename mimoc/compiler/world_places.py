@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from mimoc.base.geometry.rotations import Vec3, matrix_from_axis, matrix_from_euler
 from mimoc.base.rounding import rounded
-from mimoc.base.units import cm_to_m, deg_to_rad
+from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
 from mimoc.bundle.world import START
 from mimoc.compiler.building import Builder
-from mimoc.compiler.caregiver.build import HEAD, BuiltCaregiver, place_caregiver, settings_at
+from mimoc.compiler.caregiver import HEAD, BuiltCaregiver, place_caregiver, settings_at
 from mimoc.compiler.constraints import holds, lock, locked_joints, weld
 from mimoc.compiler.mjcf.furniture import Furniture, WorldGeom
 from mimoc.compiler.mjcf.printing import prefixed, prefixed_scene
@@ -24,15 +24,13 @@ from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import FreeObject, Lock, Persona, Weld
 from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose
-from mimoc.compiler.scenes.built_scene import Placement
+from mimoc.compiler.scenes import Placement
 from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
 from mimoc.schema.world import WorldPlan
 
-GAP_CM = 10.0
-"""Between two infants that are side by side, whatever poses of theirs they are in."""
+GAP_CM = 10.0  # Between two infants that are side by side, whatever poses of theirs they are in.
 UP = (0.0, 0.0, 1.0)
-Poses = Mapping[str, Keyframe]
-"""The state of each infant, by its name."""
+Poses = Mapping[str, Keyframe]  # The state of each infant, by its name.
 
 
 @dataclass(frozen=True)
@@ -40,25 +38,19 @@ class InfantPart:
     """What an infant adds to its world, placed there, all its names with its prefix."""
 
     prefix: str
-    tree: SceneTree
-    """The infant."""
-    poses: Mapping[str, Keyframe]
-    """Its states, by pose."""
-    start: str
-    """The pose that its spec gives."""
-    objects: tuple[FreeObject, ...]
-    """The movable objects of its task."""
-    furniture: Furniture
-    """The other objects of its task."""
+    tree: SceneTree  # The infant.
+    poses: Mapping[str, Keyframe]  # Its states, by pose.
+    start: str  # The pose that its spec gives.
+    objects: tuple[FreeObject, ...]  # The movable objects of its task.
+    furniture: Furniture  # The other objects of its task.
     locks: tuple[Lock, ...]
     welds: tuple[Weld, ...]
-    taken: FloatArray
-    """Floor that it covers in all its poses, and its task: discs, shape (n, 3), [m]."""
+    taken: FloatArray  # Floor that it covers in all its poses, and its task: discs, shape (n, 3), [m].
 
 
 def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Placement]:
     """Return where each infant of a world is: as its file says, or side by side along y, centimetres rounded up."""
-    yaws = [deg_to_rad(item.yaw_deg % 360.0) for item in plan.spec.placed]
+    yaws = [math.radians(item.yaw_deg % 360.0) for item in plan.spec.placed]
     turned = zip(builders.values(), yaws, strict=True)
     # Where the middles of infants, each of which covers discs around its own, are along y in a row, [cm].
     infants = [place_discs(one.covered, Placement(0.0, 0.0, yaw)) for one, yaw in turned]
@@ -143,8 +135,7 @@ def _euler_rad(turn: FloatArray) -> Vec3:
     return math.atan2(-turn[1, 2], turn[2, 2]), about_y, math.atan2(-turn[0, 1], turn[0, 0])
 
 
-Settings = tuple[tuple[str, tuple[float, ...]], ...]
-"""Of a keyframe: attributes and their numbers."""
+Settings = tuple[tuple[str, tuple[float, ...]], ...]  # Of a keyframe: attributes and their numbers.
 
 
 def states_of(
@@ -185,8 +176,7 @@ def _padded(key: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe]) ->
 
 
 IntArray = npt.NDArray[np.intp]
-GAP_M = 0.02
-"""Between it and the other infants at least, as all start; an assumption."""
+GAP_M = 0.02  # Between it and the other infants at least, as all start; an assumption.
 PLACES = (
     {"place": "in_front"},
     {"place": "beside", "side": "left"},
@@ -200,8 +190,7 @@ PLACES = (
 class WorldCaregiver:
     """A caregiver at its place by one of several infants."""
 
-    infant: str
-    """The infant that it is by."""
+    infant: str  # The infant that it is by.
     built: BuiltCaregiver
     entries: Mapping[str, CaregiverEntry]
     """What the manifest of each infant says of it: the face and the kicks in it are that infant's."""
@@ -245,7 +234,6 @@ class WorldCaregiver:
 
 
 def _are_near(model: mujoco.MjModel, data: mujoco.MjData, own: IntArray, theirs: IntArray) -> bool:
-    """Return whether any two geoms of two groups are nearer to each other than `GAP_M`."""
     apart_m = np.linalg.norm(data.geom_xpos[own][:, None] - data.geom_xpos[theirs], axis=2)
     reach_m = model.geom_rbound[own][:, None] + model.geom_rbound[theirs] + GAP_M
     pairs = np.argwhere(apart_m < reach_m).tolist()

@@ -15,15 +15,14 @@ from mimoc.bundle.model import prepare, read_model
 from mimoc.bundle.variants import WorldVariant
 from mimoc.bundle.world import WorldBundle, file_of
 from mimoc.compiler.building import Builder, builder
-from mimoc.compiler.variants import KEPT, RESOLVED, at_age, at_age_unchecked, errors_at, spec_of
+from mimoc.compiler.variants import KEPT, RESOLVED, at_age, errors_at, spec_of
 from mimoc.compiler.world_places import entries_of
 from mimoc.compiler.worlds import BuiltWorld, assemble_world
 from mimoc.schema import source
 from mimoc.schema.reading import read_keys
 from mimoc.schema.world import WorldPlan, WorldSpec, checked_plan, in_scene, with_keys
 
-Ages = tuple[float, ...]
-"""Of the infants in their order, in months."""
+Ages = tuple[float, ...]  # Of the infants in their order, in months.
 
 
 class WorldVariants:
@@ -45,11 +44,7 @@ class WorldVariants:
     has_other_scenes = True
 
     def __init__(self, plan: WorldPlan):
-        """Build the infants of a plan at their own ages.
-
-        Raises:
-            SpecError: If they cannot be built.
-        """
+        """Build the infants of a plan at their own ages; raise a SpecError if they cannot be built."""
         self._plan = plan
         self._own = assemble_world(plan)
         self._ages = tuple(rounded(spec.age_months) for spec in plan.infants.values())
@@ -91,7 +86,7 @@ class WorldVariants:
         if age_months == rounded(own.spec.age_months):
             return own
         with errors_at(self._plan.infants[name], age_months, name):
-            return builder(at_age_unchecked(own.spec, age_months), None, own, own.has_skin)
+            return builder(at_age(own.spec, age_months, checked=False), None, own, own.has_skin)
 
     def _build_world(self, ages: Ages, seed: int) -> tuple[WorldBundle, mujoco.MjModel]:
         builders = {name: self._infant(name, age) for name, age in zip(self._plan.infants, ages, strict=True)}
@@ -105,7 +100,6 @@ class WorldVariants:
         return with_keys(in_scene(self._plan, seed), infants=entries_of(self._plan, self._own.builders))
 
     def _at(self, ages: Ages, seed: int) -> WorldPlan:
-        """Return the plan of the world with infants of some ages, to write its files."""
         infants = zip(self._plan.infants.items(), ages, strict=True)
         if (ages, seed) == (self._ages, self._plan.spec.scene.seed):
             return self._plan
@@ -118,7 +112,6 @@ class WorldBundleVariants:
     has_other_scenes = False
 
     def __init__(self, bundle: WorldBundle):
-        """Take a bundle; the specs in it are read when an age is first asked for."""
         self._bundle = bundle
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -153,7 +146,6 @@ def plan_of_bundle(bundle: WorldBundle) -> WorldPlan:
 
 
 def _lazy_bundle(built: BuiltWorld, make: Callable[[], WorldBundle]) -> WorldBundle:
-    """Return the bundle of a world whose files are made when they are first asked for."""
     files = LazyFiles({}, lambda: make().files)
 
     def of_infant(name: str) -> Bundle:

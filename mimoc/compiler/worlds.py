@@ -20,9 +20,20 @@ from mimoc.bundle.io import MANIFEST, with_lock
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.provenance import PROVENANCE, packed
-from mimoc.bundle.world import START, WorldBundle, WorldManifest, file_of, manifest_with_prefix, overlaps, world_bundle
+from mimoc.bundle.world import (
+    START,
+    WorldBundle,
+    WorldManifest,
+    file_of,
+    is_world_folder,
+    manifest_with_prefix,
+    overlaps,
+    read_world_bundle,
+    world_bundle,
+)
 from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
+from mimoc.compiler.loading import SPEC_SUFFIXES
 from mimoc.compiler.manifest import describe_objects, describe_toys, rounded_caregiver
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.scene import Keyframe
@@ -31,8 +42,7 @@ from mimoc.compiler.model_template import model_without_pictures
 from mimoc.compiler.notes import notes_on_shapes
 from mimoc.compiler.object_check import free_keyframes
 from mimoc.compiler.objects.built_object import PlacedThing
-from mimoc.compiler.objects.placing import place_objects, trace_objects
-from mimoc.compiler.objects.starts import place_furniture
+from mimoc.compiler.objects.placing import place_furniture, place_objects, trace_objects
 from mimoc.compiler.placing import (
     PlacedScene,
     SceneAssets,
@@ -44,8 +54,7 @@ from mimoc.compiler.placing import (
     toys_around,
 )
 from mimoc.compiler.provenance import SPEC_FILE, trace_around, trace_infant, trace_spec, trace_world
-from mimoc.compiler.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
-from mimoc.compiler.scenes.footprint import footprint
+from mimoc.compiler.scenes import WEIGHTLESS, BuiltScene, Occupant, Placement, footprint
 from mimoc.compiler.toys.objects import trace_toys
 from mimoc.compiler.world_places import (
     InfantPart,
@@ -62,12 +71,40 @@ from mimoc.compiler.world_places import (
 )
 from mimoc.fits import load_tables
 from mimoc.schema import source as sources
-from mimoc.schema.components.scenes import SCENES
 from mimoc.schema.infant import InfantSpec, as_written, to_data
-from mimoc.schema.object_base import ObjectSpec
-from mimoc.schema.world import WORLD, WorldPlan, in_world, plan_of, read_world
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.kinds import SCENES
+from mimoc.schema.objects import ObjectSpec
+from mimoc.schema.source import dump
+from mimoc.schema.world import WORLD, WorldPlan, in_scene, in_world, is_world, plan_of, read_world
 from mimoc.version import __version__
+
+
+def world_of(source: Any, scene_seed: int | None = None) -> WorldBundle | None:
+    """Return the world of several infants that something is, or is the path of; None if it is anything else.
+
+    Args:
+        source: A world's bundle, its folder, the path of a world's .yaml file, or specs by the names of infants.
+        scene_seed: The seed of its scene, if it is built from a file; None is that of the file.
+
+    Raises:
+        SpecError: If a world cannot be built.
+        BundleError: If the bundle of a world is damaged.
+    """
+    if isinstance(source, WorldBundle):
+        return source
+    if isinstance(source, (WorldPlan, Mapping)):
+        return build_world(source)
+    if not isinstance(source, PATH):
+        return None
+    path = Path(source).expanduser()
+    if path.suffix.lower() not in SPEC_SUFFIXES:
+        return read_world_bundle(path) if is_world_folder(path) else None
+    written = sources.read(path) if path.is_file() else None
+    if written is None or not is_world(written.data):
+        return None
+    plan = read_world(written)
+    return build_world(plan if scene_seed is None else in_scene(plan, scene_seed))
+
 
 RESOLVED = "resolved.yaml"
 
@@ -78,19 +115,13 @@ class BuiltWorld:
 
     plan: WorldPlan
     builders: Mapping[str, Builder]
-    parts: Mapping[str, InfantPart]
-    """What each infant adds."""
-    around: BuiltScene
-    """The scene, in which nothing moves yet."""
-    world: World
-    """All that is around the infants."""
+    parts: Mapping[str, InfantPart]  # What each infant adds.
+    around: BuiltScene  # The scene, in which nothing moves yet.
+    world: World  # All that is around the infants.
     toys: tuple[FreeObject, ...]
-    things: tuple[PlacedThing, ...]
-    """The objects of the scene."""
-    origins: Mapping[str, Entry]
-    """Where the numbers of the world come from."""
-    company: WorldCaregiver | None
-    """The caregiver, if there is one."""
+    things: tuple[PlacedThing, ...]  # The objects of the scene.
+    origins: Mapping[str, Entry]  # Where the numbers of the world come from.
+    company: WorldCaregiver | None  # The caregiver, if there is one.
 
     def to_bundle(self, *, check: bool = False) -> WorldBundle:
         """Return the bundle; *check* that MuJoCo takes it, and that no two infants start within each other.
@@ -120,7 +151,6 @@ class BuiltWorld:
         return states_of(START, self.parts, self.world.resting, self._beside)
 
     def _beside(self, poses: Poses) -> Settings:
-        """Return where a caregiver is in a state."""
         return self.company.settings_at(self.builders, poses) if self.company else ()
 
     @cached_property
@@ -252,7 +282,6 @@ def _builder(plan: WorldPlan, name: str) -> Builder:
 
 
 def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
-    """Check that infants can have the same options of MuJoCo's, and the same gravity."""
     first_name, first = next(iter(builders.items()))
     problems = []
     for index, (name, one) in enumerate(builders.items()):
@@ -289,7 +318,6 @@ def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
 
 
 def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
-    """Return a world without the poses in which an object is inside of something, or a ribbon is too short."""
     if not built.things:
         return built
     model, specs = model_without_pictures(built.mjcf), built.plan.spec.scene.objects
@@ -313,7 +341,6 @@ def _objects(
     builders: Mapping[str, Builder],
     places: Mapping[str, Placement],
 ) -> tuple[PlacedThing, ...]:
-    """Return the objects of the scene, with places about the infants that they name, or the first."""
     scene, folder = plan.spec.scene, plan.written.folder
     starts = {name: part.poses[part.start] for name, part in parts.items()}
     floors = {name: footprint(builders[name].tree, [start.qpos]) for name, start in starts.items()}
@@ -340,7 +367,6 @@ def _toys(
     assets: SceneAssets,
     things: Sequence[PlacedThing],
 ) -> tuple[FreeObject, ...]:
-    """Return the toys, around the infant that they name or the first, and outside of what all cover."""
     name = (plan.spec.scene.toys and plan.spec.scene.toys.infant) or next(iter(parts))
     part = parts[name]
     taken = np.concatenate([*(other.taken for other in parts.values()), discs_of(things)])
@@ -352,7 +378,6 @@ def _toys(
 
 
 def _texts(built: BuiltWorld) -> dict[str, bytes]:
-    """Return all files but MJCF and what it refers to."""
     plan, manifest, manifests = built.plan, built.manifest, built.manifests
     infants = list(manifests.values())
     # The file of a world with all that it leaves open, which names the files of the infants in the bundle.
@@ -381,7 +406,6 @@ def _texts(built: BuiltWorld) -> dict[str, bytes]:
 
 
 def _notes(built: BuiltWorld) -> Iterator[str]:
-    """Yield what of the infants' own scenes has no effect."""
     for name, spec in built.plan.infants.items():
         given, around = spec.scene.model_fields_set - {"pose", "held"}, built.plan.spec.scene
         if ignored := sorted(key for key in given if getattr(spec.scene, key) != getattr(around, key)):
@@ -416,7 +440,6 @@ def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
 
 
 def _check(built: BuiltWorld, files: Mapping[str, bytes]) -> None:
-    """Check that MuJoCo takes a world, and that no two infants start within each other."""
     try:
         model = mujoco.MjModel.from_xml_string(*mjcf_of(files, "scene.xml"))
     except ValueError as error:

@@ -12,8 +12,7 @@ class DataPoint:
 
     age_months: float
     value_cm: float
-    origin: str
-    """`anthrokids.csv:12`, or how it was inferred."""
+    origin: str  # `anthrokids.csv:12`, or how it was inferred.
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,14 +20,11 @@ class Measured:
     """A body measurement and its origin."""
 
     value_m: float
-    origin: str
-    """`anthrokids.csv: hand_breadth, log fit`."""
-    curve: LogCurve | None = None
-    """The growth curve that it was evaluated from, in cm by months; None if it was given."""
+    origin: str  # `anthrokids.csv: hand_breadth, log fit`.
+    curve: LogCurve | None = None  # The growth curve that it was evaluated from, in cm by months; None if it was given.
     points: tuple[DataPoint, ...] = ()
     """What the curve was fitted to; empty where only published coefficients are known."""
-    given_by: tuple[str, ...] = ("spec.age_months",)
-    """The keys of the spec that it follows from."""
+    given_by: tuple[str, ...] = ("spec.age_months",)  # The keys of the spec that it follows from.
 
 
 @dataclass(frozen=True)
@@ -36,10 +32,8 @@ class Measurements(Mapping[str, float]):
     """The measurements of one child: a mapping from AnthroKids name to metres."""
 
     age_months: float
-    table: Mapping[str, Measured]
-    """By name; a name that starts with `left_` or `right_` is of that side alone."""
-    base: Mapping[str, Measured]
-    """The same child before its spec replaced any single measurement."""
+    table: Mapping[str, Measured]  # By name; a name that starts with `left_` or `right_` is of that side alone.
+    base: Mapping[str, Measured]  # The same child before its spec replaced any single measurement.
     paper: "Measurements | None" = None
     """The same child by the growth law of the paper, which strength and masses follow; None is itself."""
     slenderness: float = 1.0

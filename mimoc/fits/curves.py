@@ -15,33 +15,25 @@ import numpy as np
 from mimoc.base.geometry.rotations import FloatArray
 from mimoc.base.rounding import significant
 
-B_MIN_MONTHS = 0.1
-"""Smallest shift: keeps the curve finite at birth (paper, eq. 1)."""
-B_MAX_MONTHS = 5e3
-"""Largest shift: over two years the curve is then as good as straight."""
+B_MIN_MONTHS = 0.1  # Smallest shift: keeps the curve finite at birth (paper, eq. 1).
+B_MAX_MONTHS = 5e3  # Largest shift: over two years the curve is then as good as straight.
 B_MAX_COUNT_MONTHS = 100.0
 """Largest shift beside a steady growth, from which the logarithm can hardly be told any more."""
-LAST_MONTH = 24.0
-"""Age up to which no curve with a steady part may fall."""
+LAST_MONTH = 24.0  # Age up to which no curve with a steady part may fall.
 SHIFT_DIGITS, DIGITS = 9, 10
 """Significant digits of b, to which a fit is hardly sensitive, and of the other coefficients, which follow from it: one
 more than files have, and few enough that they are the same however a processor takes logarithms and sums."""
-_GRID_POINTS, _ROUNDS = 33, 8
-"""Each round looks 32 times closer: to twelve digits of log b."""
+_GRID_POINTS, _ROUNDS = 33, 8  # Each round looks 32 times closer: to twelve digits of log b.
 
 
 @dataclass(frozen=True, slots=True)
 class LogCurve:
     """A measurement by age: a log(age + b) + c + d age."""
 
-    a: float
-    """Growth per unit of log age, in the unit of the measurement."""
-    b_months: float
-    """Shift of the age, at least 0.1."""
-    c: float
-    """Offset, in the unit of the measurement."""
-    d: float = 0.0
-    """Steady growth per month, in the unit of the measurement; 0 by the law of the paper."""
+    a: float  # Growth per unit of log age, in the unit of the measurement.
+    b_months: float  # Shift of the age, at least 0.1.
+    c: float  # Offset, in the unit of the measurement.
+    d: float = 0.0  # Steady growth per month, in the unit of the measurement; 0 by the law of the paper.
 
     def __call__(self, age_months: float) -> float:
         """Return the measurement at *age_months*, in the unit it was fitted in."""
@@ -85,8 +77,7 @@ class _Points:
     ages: FloatArray
     y: FloatArray
     weights: FloatArray
-    is_steady: bool
-    """Whether the curve has a steady part."""
+    is_steady: bool  # Whether the curve has a steady part.
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Return the weighted mean over the points, the last axis, which is kept."""
@@ -98,10 +89,8 @@ class _Fits(NamedTuple):
 
     a: FloatArray
     d: FloatArray
-    left: FloatArray
-    """The weighted mean of the squared deviations; infinite if the curve falls."""
-    slope: FloatArray
-    """Its derivative by log b."""
+    left: FloatArray  # The weighted mean of the squared deviations; infinite if the curve falls.
+    slope: FloatArray  # Its derivative by log b.
 
 
 def _fits(points: _Points, b: FloatArray) -> _Fits:

@@ -12,10 +12,8 @@ import numpy as np
 MONTHS = (0, 1, 2, 3, 4, 5, 6, 9, 12, 18, 24)
 MEAN_PERCENT = (8.6, 15.7, 20.5, 23.5, 25.0, 25.7, 25.9, 24.5, 23.1, 21.3, 20.0)
 """At these ages, with straight lines in between."""
-VARIATION = 0.19
-"""Standard deviation by mean."""
-LEAST_PERCENT = 1.0
-"""Least fat that an infant can have."""
+VARIATION = 0.19  # Standard deviation by mean.
+LEAST_PERCENT = 1.0  # Least fat that an infant can have.
 
 
 def mean_percent(age_months: float) -> float:

@@ -17,11 +17,9 @@ Placement = Literal["middle", "published"]
 Curves = Literal["count", "paper", "published"]
 """Growth curves: Count's, with a steady part, which bodies grow by; the paper's law (eq. 1), fitted to the same points,
 which their strength follows; and the curves of MIMo v2 itself: its coefficients, as published."""
-Law = Literal["count", "paper"]
-"""The laws that curves are fitted by."""
+Law = Literal["count", "paper"]  # The laws that curves are fitted by.
 
-POINTS: Mapping[Law, int] = {"paper": 4, "count": 5}
-"""Least number of points of a curve, one of them at birth."""
+POINTS: Mapping[Law, int] = {"paper": 4, "count": 5}  # Least number of points of a curve, one of them at birth.
 
 OTHER_SURVEY_WEIGHT = 0.5
 """Weight of the children's survey, of which one group shows where curves lead after two years: it is a mean over 18
@@ -30,8 +28,7 @@ months, of standing and sitting instead of lying children. With full weight, thi
 PUBLISHED_AGES_MONTHS = {0: 1.0, 3: 3.0, 6: 7.0, 9: 10.0, 12: 13.5, 16: 17.5, 20: 21.5, 24: 33.0}
 """MIMo v2's ages by the first month of the group (reverse-engineered from its coefficients)."""
 
-BIRTH = "inferred birth row"
-"""How a point at age zero is marked: AnthroKids has no newborns."""
+BIRTH = "inferred birth row"  # How a point at age zero is marked: AnthroKids has no newborns.
 
 Fit = tuple[LogCurve, tuple[DataPoint, ...]]
 

@@ -21,14 +21,10 @@ from mimoc.fits.curves import LAST_MONTH
 
 Z_AT_TERM: Mapping[str, float] = {"length_cm": -2.0, "weight_kg": -1.3, "head_circumference_cm": -0.8}
 """By how many standard deviations of WHO's indicators infants born at 30 weeks differ at term from those of term."""
-FAT_AT_TERM_PERCENT = 3.0
-"""How much more of their weight is fat, in percentage points."""
-AS_FAT_MONTHS = 3.0
-"""Corrected age from which on they are as fat as others."""
-WEEKS, SHARES = (37.0, 30.0, 22.0), (0.0, 1.0, 1.3)
-"""Shares of these differences in those born at so many weeks."""
-MONTHS_EARLY = tuple(7 * (40 - weeks) / DAYS_PER_MONTH for weeks in WEEKS)
-"""How long before 40 weeks that is."""
+FAT_AT_TERM_PERCENT = 3.0  # How much more of their weight is fat, in percentage points.
+AS_FAT_MONTHS = 3.0  # Corrected age from which on they are as fat as others.
+WEEKS, SHARES = (37.0, 30.0, 22.0), (0.0, 1.0, 1.3)  # Shares of these differences in those born at so many weeks.
+MONTHS_EARLY = tuple(7 * (40 - weeks) / DAYS_PER_MONTH for weeks in WEEKS)  # How long before 40 weeks that is.
 
 
 def share(months_early: float, corrected_age_months: float) -> float:

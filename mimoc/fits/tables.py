@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -32,13 +32,20 @@ WHO_FILES = {
 class GroupMean:
     """The mean of one measurement in one age group of AnthroKids."""
 
-    first_month: int
-    """First completed month of age in the group."""
-    last_month: int
-    """Last completed month of age in the group."""
+    first_month: int  # First completed month of age in the group.
+    last_month: int  # Last completed month of age in the group.
     mean_cm: float
-    line: int
-    """Line of the row in anthrokids.csv."""
+    line: int  # Line of the row in anthrokids.csv.
+
+
+class Posture(NamedTuple):
+    """What the angles at rest depend on besides age."""
+
+    development: str
+    hands: str
+    chest_joint: bool
+    """Whether the chest has joints of its own."""
+    pose: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,24 +53,18 @@ class Postures:
     """The angles at which the average child comes to rest."""
 
     ages_months: tuple[float, ...]
-    angles_deg: Mapping[tuple[str, str, bool, str], Mapping[str, tuple[float, ...]]]
-    """By the law of development, the hands and the pose: by joint, for each of the ages."""
+    angles_deg: Mapping[Posture, Mapping[str, tuple[float, ...]]]  # Angles by joint, for each of the ages.
 
 
 @dataclass(frozen=True, slots=True)
 class GrowthTables:
     """Everything that is known of how children grow."""
 
-    anthrokids: Mapping[str, tuple[GroupMean, ...]]
-    """Group means by measurement, youngest first."""
-    published: Mapping[str, LogCurve]
-    """MIMo v2's own coefficients by measurement, in cm."""
-    who: Mapping[str, GrowthStandard]
-    """WHO Child Growth Standards by indicator, in the unit of its name."""
-    postures: Postures
-    """How children of the ages lie, sit and stand."""
-    files: Mapping[str, bytes]
-    """All files of tables, by their path in the data folder."""
+    anthrokids: Mapping[str, tuple[GroupMean, ...]]  # Group means by measurement, youngest first.
+    published: Mapping[str, LogCurve]  # MIMo v2's own coefficients by measurement, in cm.
+    who: Mapping[str, GrowthStandard]  # WHO Child Growth Standards by indicator, in the unit of its name.
+    postures: Postures  # How children of the ages lie, sit and stand.
+    files: Mapping[str, bytes]  # All files of tables, by their path in the data folder.
 
 
 def data_folder() -> Path:
@@ -87,11 +88,7 @@ def data_files() -> dict[str, bytes]:
 
 @cache
 def load_tables() -> GrowthTables:
-    """Return the tables that ship with mimoc.
-
-    Raises:
-        DataError: If one is missing or damaged.
-    """
+    """Return the tables that ship with mimoc; raise a DataError if one is missing or damaged."""
     folder = data_folder()
     return GrowthTables(
         anthrokids=MappingProxyType(_read(_read_anthrokids, folder / "anthrokids.csv")),
@@ -121,7 +118,7 @@ def settled_deg(development: str, hands: str, chest_joint: bool, pose: str, age_
     share = (age_months - ages[after - 1]) / (ages[after] - ages[after - 1])
     return {
         joint: angles[after - 1] + share * (angles[after] - angles[after - 1])
-        for joint, angles in postures.angles_deg.get((development, hands, chest_joint, pose), {}).items()
+        for joint, angles in postures.angles_deg.get(Posture(development, hands, chest_joint, pose), {}).items()
     }
 
 
@@ -159,13 +156,11 @@ def _read_who(path: Path) -> GrowthStandard:
 
 def _read_postures(path: Path) -> Postures:
     ages: tuple[str, ...] = ()
-    postures: dict[tuple[str, str, bool, str], dict[str, tuple[float, ...]]] = {}
+    postures: dict[Posture, dict[str, tuple[float, ...]]] = {}
     for _, row in _rows(path, "development", "hands", "chest_joint", "pose", "joint"):
         ages = tuple(row)[5:]
-        angles = tuple(_finite(row[age]) for age in ages)
-        postures.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[
-            row["joint"]
-        ] = angles
+        posture = Posture(row["development"], row["hands"], row["chest_joint"] == "true", row["pose"])
+        postures.setdefault(posture, {})[row["joint"]] = tuple(_finite(row[age]) for age in ages)
     return Postures(tuple(map(float, ages)), postures)
 
 

@@ -18,16 +18,14 @@ Reference = Literal["male", "female", "mean"]
 SEXES: tuple[Sex, ...] = ("male", "female")
 REFERENCES: tuple[Reference, ...] = (*SEXES, "mean")
 
-LAST_Z = 3.0
-"""How far out the distribution is trusted; beyond it, WHO counts in widths of the third deviation."""
+LAST_Z = 3.0  # How far out the distribution is trusted; beyond it, WHO counts in widths of the third deviation.
 
 
 @dataclass(frozen=True)
 class GrowthStandard:
     """One indicator, as Box-Cox power L, median M and coefficient of variation S by day and sex."""
 
-    tables: Mapping[str, npt.NDArray[np.float64]]
-    """By sex: rows of (age in days, L, M, S), shape (days, 4)."""
+    tables: Mapping[str, npt.NDArray[np.float64]]  # By sex: rows of (age in days, L, M, S), shape (days, 4).
 
     @property
     def first_day(self) -> float:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.motion.labels import MINI_RGBD_POINTS, SIDES
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, Camera, FloatArray, PointRecording
-from mimoc.motion.points import MINI_RGBD_POINTS, SIDES
 
 HEAD_POINT = 0.54
 """Height of the point `head` above the skull's centre, in its half height (from the fits of a prototype; D)."""
@@ -21,8 +21,7 @@ class BodyPoint:
     """A point that is fixed to a body."""
 
     body: int
-    offset_m: FloatArray
-    """In the body's frame, shape (3,)."""
+    offset_m: FloatArray  # In the body's frame, shape (3,).
 
 
 def body_points(model: mujoco.MjModel, names: Sequence[str], prefix: str = "") -> list[BodyPoint | None]:

@@ -23,14 +23,12 @@ from mimoc.bundle.regular_files import (
     regular_files,
 )
 
-MOST_FRAMES = 2**18
-"""Of a recording: 2.4 hours at 30 frames a second."""
+MOST_FRAMES = 2**18  # Of a recording: 2.4 hours at 30 frames a second.
 MOST_FRAME_BYTES = 2**20
 MOST_FILE_BYTES = 2**27
 _MOST_BYTES = 2**29
 _FIRST_BYTES = 2**16
-_MOST_DIGITS = 19
-"""Of the number of a frame: nanoseconds since 1970."""
+_MOST_DIGITS = 19  # Of the number of a frame: nanoseconds since 1970.
 _LEAST_STAMP, _STAMP_JITTER, _MOST_STAMPS = 5, 0.25, 0.7
 """Time stamps rise by this much a frame or more; most of their steps, by this share, are as long as the median."""
 _NUMBER = re.compile("[0-9]+")
@@ -40,8 +38,7 @@ _CLOCK = re.compile(
     r"([0-9]{2})[-_.:h]?([0-9]{2})[-_.:m]?([0-9]{2})(?:[-_.,]([0-9]{3}|[0-9]{6}))?(?![0-9])"
 )
 """A date and a time of day, as in `2024-01-31_10-59-59.033`."""
-_MILLI = 3
-"""Digits of milliseconds; microseconds have twice as many."""
+_MILLI = 3  # Digits of milliseconds; microseconds have twice as many.
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +47,7 @@ class FrameFiles:
 
     names: tuple[str, ...]
     contents: tuple[bytes, ...]
-    places: tuple[int, ...]
-    """Index of each frame, from 0; where a number is missing there is a gap."""
+    places: tuple[int, ...]  # Index of each frame, from 0; where a number is missing there is a gap.
     notes: tuple[str, ...]
 
     @property
@@ -165,7 +161,6 @@ def read_whole_file(path: Path) -> bytes:
 
 
 def _numbers(name: str) -> list[int]:
-    """Return the numbers in a name, but none if one is too long to be that of a frame."""
     texts = _NUMBER.findall(name)
     return [int(text) for text in texts] if max(map(len, texts), default=0) <= _MOST_DIGITS else []
 

@@ -22,22 +22,15 @@ from mimoc.schema.base import Model
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
-MOTION = "motion.npz"
-"""Name of the file in the folder of a retargeted recording."""
-MOST_BYTES = 2**28
-"""Of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB."""
-FREE, HINGE = 7, 1
-"""Numbers of a configuration that a free joint and a hinge have."""
+MOTION = "motion.npz"  # Name of the file in the folder of a retargeted recording.
+MOST_BYTES = 2**28  # Of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB.
+FREE, HINGE = 7, 1  # Numbers of a configuration that a free joint and a hinge have.
 FREE_SPEEDS = 6
-TURN = slice(3, 7)
-"""Where the quaternion of a free joint is among its numbers: w, x, y, z."""
-FIXED_ORDER = [1, 2, 3, 0]
-"""From MuJoCo's order of a quaternion to SciPy's."""
-MOST_S = 7200.0
-"""Of a motion: its states at all control steps are kept."""
+TURN = slice(3, 7)  # Where the quaternion of a free joint is among its numbers: w, x, y, z.
+FIXED_ORDER = [1, 2, 3, 0]  # From MuJoCo's order of a quaternion to SciPy's.
+MOST_S = 7200.0  # Of a motion: its states at all control steps are kept.
 MOST_M_OR_RAD = 1e4
-UNIT = 0.01
-"""How far the length of a quaternion may be from 1."""
+UNIT = 0.01  # How far the length of a quaternion may be from 1.
 _ADVICE = "write it again with 'mimoc retarget'"
 
 
@@ -56,12 +49,9 @@ class States:
     Those of free joints are linear in the world's frame, and angular in the body's.
     """
 
-    qpos: FloatArray
-    """Shape (n, nq)."""
-    qvel: FloatArray
-    """Shape (n, nv)."""
-    qacc: FloatArray
-    """Shape (n, nv)."""
+    qpos: FloatArray  # Shape (n, nq).
+    qvel: FloatArray  # Shape (n, nv).
+    qacc: FloatArray  # Shape (n, nv).
 
 
 @dataclass(frozen=True)
@@ -77,8 +67,7 @@ class JointMotion:
     """
 
     rate_hz: float
-    joints: tuple[str, ...]
-    """Names of the joints: free joints and hinges."""
+    joints: tuple[str, ...]  # Names of the joints: free joints and hinges.
     qpos: FloatArray
     """Their configurations, one after another, shape (t, nq): 7 numbers of a free joint [m, quaternion], one of a hinge
     [rad]."""
@@ -91,7 +80,6 @@ class JointMotion:
 
     @cached_property
     def _splines(self) -> list[Any]:
-        """The spline of each joint's place or angle, and of each free joint's rotation."""
         times_s, splines, first = np.arange(len(self.qpos)) / self.rate_hz, list[Any](), 0
         for joint in self.joints:
             if joint in self.free:
@@ -171,7 +159,6 @@ def _heading_rad(quaternion: FloatArray) -> float:
 
 
 def _value(spline: Any, times_s: FloatArray, order: int) -> FloatArray:
-    """Return a spline, or its first or second derivative, as MuJoCo has it, shape (n, k)."""
     if isinstance(spline, CubicSpline):
         return spline(times_s, order)
     place, turn = spline

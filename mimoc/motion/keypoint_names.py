@@ -22,14 +22,12 @@ _SHOWN = 5
 class KeypointNames:
     """The labels of the points of persons."""
 
-    labels: tuple[str, ...] = ()
-    """Of all persons, in one order; empty if the file has none."""
+    labels: tuple[str, ...] = ()  # Of all persons, in one order; empty if the file has none.
     columns: Mapping[str, Sequence[int]] = field(default_factory=dict)
     """Of each category whose persons may be the infant, by its ID: where its points are among the labels. Empty if
     the points of all persons are the labels."""
     notes: tuple[str, ...] = ()
-    is_asked_for: bool = False
-    """Whether a user has called the infant by its category."""
+    is_asked_for: bool = False  # Whether a user has called the infant by its category.
 
     def placed(self, entry: Mapping[str, Any], numbers: Sequence[Any], where: str) -> Sequence[Any]:
         """Return a person's numbers, three a point, in the order of labels, or raise an UnusableFileError."""
@@ -96,7 +94,6 @@ def _of_infants(categories: Mapping[str, tuple[str, tuple[str, ...]]], infant: s
 
 
 def _categories(data: Mapping[str, Any]) -> dict[str, tuple[str, tuple[str, ...]]]:
-    """Return name and labels of the categories with keypoints, by ID."""
     categories = data.get("categories")
     if not isinstance(categories, list):
         return {}

@@ -1,8 +1,8 @@
 """Recordings of points on an infant who was filmed: pixels of a camera, or places in space."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -63,7 +63,7 @@ class PointRecording:
     name: str
     rate_hz: float
     names: tuple[str, ...]
-    """Names of the points, k of `mimoc.motion.points.POINTS`."""
+    """Names of the points, k of `mimoc.motion.labels.POINTS`."""
     positions: FloatArray
     """Shape (t, k, 2): pixels of the camera, x to the right, y downwards; or shape (t, k, 3): [m], z upwards. NaN where
     a point is not seen."""
@@ -144,7 +144,6 @@ def _smooth(values: FloatArray, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) ->
 
 
 def _filled(values: FloatArray) -> FloatArray:
-    """Return arrays whose first axis is time with NaN interpolated along it."""
     columns = values.reshape(len(values), -1).copy()
     time = np.arange(len(values))
     for column in columns.T:
@@ -152,3 +151,38 @@ def _filled(values: FloatArray) -> FloatArray:
         if known.any() and not known.all():
             column[~known] = np.interp(time[~known], time[known], column[known])
     return columns.reshape(values.shape)
+
+
+View = Literal["front", "back", "mirrored", "swapped"]
+VIEWS: tuple[View, ...] = get_args(View)
+Up = Literal["x", "y", "z", "-x", "-y", "-z"]
+UPS: tuple[Up, ...] = get_args(Up)
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """What the files do not say, or say wrongly."""
+
+    rate_hz: float | None = None
+    """Frames per second; None if the files say it."""
+    camera: Camera | None = None
+    """The camera of pixels; None if the files say it, or nobody knows."""
+    infant: int | str | None = None
+    """Which of several persons is the infant: its identity in the files or, where they have none, its number in the
+    first frame with several, from 0. None is the largest."""
+    names: Mapping[str, str] = field(default_factory=dict)
+    """Mimoc's names by the labels of the files, for those that it does not know or gets wrong."""
+    view: View | None = "front"
+    """What the camera sees of an infant: its `front`; its `back` where it lies on its belly; `mirrored` if the picture
+    is, or y counts upwards; `swapped` if left and right are exchanged. None is for points that were checked before."""
+    min_score: float | None = None
+    """Confidence below which a point is taken not to be seen; None is what the format's own programs go by."""
+
+    picture_px: tuple[int, int] | None = None
+    """Width and height of the picture, for points that are shares of it; None if the camera says it, or the files."""
+    up: Up | None = None
+    """Which axis of places in space points upwards; None is z, where the format does not say it."""
+
+    def least_score(self, usual: float) -> float:
+        """Return the confidence below which a point is taken not to be seen, by what is usual in a format."""
+        return usual if self.min_score is None else self.min_score

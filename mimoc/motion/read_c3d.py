@@ -16,18 +16,14 @@ import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.frame_files import MOST_FRAMES, read_whole_file
-from mimoc.motion.options import ReadOptions
-from mimoc.motion.point_recording import PointRecording
-from mimoc.motion.units import LENGTHS, metres_in
+from mimoc.motion.point_recording import PointRecording, ReadOptions
+from mimoc.motion.timing import LENGTHS, metres_in
 
 _BLOCK = 512
-_KEY = 0x50
-"""Second byte of the file, and of its parameters."""
-_BYTE_ORDERS = {84: "<", 86: ">"}
-"""Of Intel and of MIPS, by the number of a processor."""
+_KEY = 0x50  # Second byte of the file, and of its parameters.
+_BYTE_ORDERS = {84: "<", 86: ">"}  # Of Intel and of MIPS, by the number of a processor.
 _DEC = 85
-_USUAL_UNIT = "mm"
-"""Of files that name none."""
+_USUAL_UNIT = "mm"  # Of files that name none.
 _DAMAGED = "is damaged, or no C3D file; export it again"
 _KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}
 _MOST_MARKERS = 2000
@@ -39,12 +35,9 @@ class _Layout:
 
     markers: int
     frames: int
-    analog: int
-    """Numbers in each frame after those of the markers."""
-    start: int
-    """First byte of the first frame."""
-    scale: float
-    """Of integers; negative where the numbers are floats."""
+    analog: int  # Numbers in each frame after those of the markers.
+    start: int  # First byte of the first frame.
+    scale: float  # Of integers; negative where the numbers are floats.
     rate_hz: float
 
 
@@ -79,7 +72,6 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
 
 
 def _parameters(content: bytes) -> tuple[str, Mapping[str, npt.NDArray[Any]]]:
-    """Return the order of bytes, and the parameters of the group POINT."""
     start = (content[0] - 1) * _BLOCK
     if content[1] != _KEY or start < _BLOCK:
         raise ValueError("no C3D file")
@@ -108,7 +100,6 @@ def _entries(content: bytes, at: int, order: str) -> Iterator[tuple[int, str, np
 
 
 def _values(content: bytes, at: int, order: str) -> npt.NDArray[Any]:
-    """Return the values of a parameter; text has the shape of its lines."""
     (size,) = struct.unpack_from("b", content, at)
     shape = tuple(content[at + 2 : at + 2 + content[at + 1]])
     kind = np.dtype(_KINDS[size] if size == -1 else order + _KINDS[size])

@@ -21,9 +21,8 @@ from mimoc.motion.frame_files import (
     read_whole_file,
 )
 from mimoc.motion.keypoint_names import SOURCES, KeypointNames, keypoint_names
-from mimoc.motion.options import ReadOptions
 from mimoc.motion.persons import Frame, Person, identity, person, place_points
-from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.point_recording import PointRecording, ReadOptions
 
 COCO_17 = (
     "nose",
@@ -48,8 +47,7 @@ LAYOUTS = {
     133: (*COCO_17, *_FEET, *(f"whole_body_{number}" for number in range(23, 133))),
 }
 """Labels by number of points: COCO, with feet, Halpe, and COCO-WholeBody."""
-MIN_SCORE = 0.3
-"""MMPose draws points from this on (default of its `kpt_thr`)."""
+MIN_SCORE = 0.3  # MMPose draws points from this on (default of its `kpt_thr`).
 _IDENTITIES = "track_id", "idx", "person_id", "instance_id"
 _FRAMES = "image_id", "frame_id", "frame"
 
@@ -156,7 +154,6 @@ def _image_names(data: Any) -> dict[str, str]:
 
 
 def _frame_name(entry: Mapping[str, Any], where: str) -> str:
-    """Return the number of the frame of a person, or the name of its picture."""
     name = next((entry[key] for key in _FRAMES if key in entry), None)
     if not isinstance(name, (int, str)):
         raise UnusableFileError(

@@ -13,11 +13,9 @@ import numpy as np
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
 from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, parse, parse_frames, read_frame_files, read_whole_file
-from mimoc.motion.options import ReadOptions
-from mimoc.motion.point_recording import PointRecording
-from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, points_in, points_of
+from mimoc.motion.point_recording import PointRecording, ReadOptions
+from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, label_and_column, points_in, points_of, read_cells
 from mimoc.motion.sides import turned
-from mimoc.motion.tables import label_and_column, read_cells
 from mimoc.motion.timing import FRAMES, is_of_times
 
 _SIDES = "left", "right"
@@ -45,8 +43,7 @@ _RATES = "fps", "frame_rate", "framerate", "rate_hz"
 _LISTS = "frames", "results", "data", "poses", "landmarks", "pose_landmarks", "pose_world_landmarks"
 """Where frames stand in a JSON file that is an object."""
 _MOST_DIGITS = 19
-_OTHERS = re.compile("face|hand|segment")
-"""In the names of landmarks that are not those of the pose."""
+_OTHERS = re.compile("face|hand|segment")  # In the names of landmarks that are not those of the pose.
 
 
 def recognise(path: Path) -> bool:
@@ -127,7 +124,6 @@ def _has_landmarks(header: Sequence[str], rows: Sequence[Sequence[str]]) -> bool
 
 
 def _column_of_points(header: Sequence[str]) -> int | None:
-    """Return the column with the names of points in a table with a row for each."""
     lower = [cell.lower() for cell in header]
     return next((lower.index(word) for word in POINTS if word in lower and "x" in lower), None)
 
@@ -161,7 +157,6 @@ def _names(labels: Sequence[str]) -> list[str]:
 
 
 def _plain(label: str) -> str:
-    """Return a label as it stands in the table of names, or as its number."""
     word = re.sub("[^a-z0-9]", "", re.split("[.:]", label)[-1].lower())
     return word[match.end() :] if (match := _PREFIX.match(word)) else word
 
@@ -214,7 +209,6 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
 
 
 def _points(frame: Any, *, prefer_world: bool) -> tuple[Sequence[int], Sequence[Any]]:
-    """Return the landmarks of a frame after their numbers; none if nobody was seen; any error if they are none."""
     points = frame
     if isinstance(frame, dict):
         keys = [key for key in frame if "landmark" in key.lower() and not _OTHERS.search(key.lower())]

@@ -15,11 +15,9 @@ import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.frame_files import FrameFiles, frame_names, read_frame_files
-from mimoc.motion.options import ReadOptions
-from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
+from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording, ReadOptions
 
-RATE_HZ = 30.0
-"""An assumption: the files do not say it."""
+RATE_HZ = 30.0  # An assumption: the files do not say it.
 JOINTS = (
     *("global", "leftThigh", "rightThigh", "spine", "leftCalf", "rightCalf", "spine1", "leftFoot", "rightFoot"),
     *("spine2", "leftToes", "rightToes", "neck", "leftShoulder", "rightShoulder", "head", "leftUpperArm"),
@@ -41,8 +39,7 @@ POINTS = {
     },
 }
 """The joints that are points of mimoc's: a segment of SMIL begins at its joint."""
-_MOST_METRES = 20.0
-"""Depths above are in millimetres."""
+_MOST_METRES = 20.0  # Depths above are in millimetres.
 _MOST_TRUNK_M = 10.0
 
 

@@ -10,8 +10,7 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, problems_in
 from mimoc.motion.frame_files import MOST_FRAMES, read_whole_file
-from mimoc.motion.options import ReadOptions
-from mimoc.motion.point_recording import Camera, PointRecording
+from mimoc.motion.point_recording import Camera, PointRecording, ReadOptions
 from mimoc.schema.base import Model
 
 Pair = tuple[float, float]

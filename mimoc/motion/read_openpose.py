@@ -7,9 +7,8 @@ from typing import Any
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
 from mimoc.motion.frame_files import first_bytes, objects, parse_frames, read_frame_files
-from mimoc.motion.options import ReadOptions
 from mimoc.motion.persons import Frame, Person, identity, person, place_points
-from mimoc.motion.point_recording import PointRecording
+from mimoc.motion.point_recording import PointRecording, ReadOptions
 
 _COCO_18 = (
     *("Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist"),
@@ -27,8 +26,7 @@ _LABELS = {
     3 * len(labels): tuple(_NECK if label == "Neck" else label for label in labels) for labels in (BODY_25, _COCO_18)
 }
 _POINTS = "pose_keypoints_2d"
-MIN_SCORE = 0.05
-"""OpenPose draws points above this (default of its `--render_threshold`)."""
+MIN_SCORE = 0.05  # OpenPose draws points above this (default of its `--render_threshold`).
 
 
 def recognise(path: Path) -> bool:

@@ -1,26 +1,27 @@
 """Reading points on infants who were filmed, whatever wrote them."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mimoc.base.classes import PATH, takes
-from mimoc.base.errors import RecordingError, check_name
+from mimoc.base.errors import OutputError, RecordingError, check_name
 from mimoc.base.kinds import function_of
+from mimoc.bundle.files import make_folder, write_file
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.checks import check_numbers, check_points, check_rate, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
-from mimoc.motion.options import UPS, VIEWS, ReadOptions, Up, View
-from mimoc.motion.point_recording import Camera, PointRecording
+from mimoc.motion.point_recording import UPS, VIEWS, Camera, PointRecording, ReadOptions, Up, View
+from mimoc.motion.read_mini_rgbd import FOLDERS, JOINTS, POINTS
+from mimoc.motion.read_npz import pack
 from mimoc.motion.sides import turned
-from mimoc.schema.components.motion import FORMATS
-from mimoc.schema.kinds import MotionFormat
+from mimoc.schema.kinds import FORMATS, MotionFormat
 from mimoc.schema.plugins import load_plugins
 
-MOST_PIXELS = 100_000
-"""Of the width or height of a picture."""
+MOST_PIXELS = 100_000  # Of the width or height of a picture.
 
 
 @takes("the path of a recording of points", *PATH)
@@ -41,7 +42,7 @@ def read_points(
 
     Args:
         path: A file, or a folder with a file for each frame.
-        format: Its format, one of `mimoc.schema.components.motion.FORMATS`; None recognises it.
+        format: Its format, one of `mimoc.schema.kinds.FORMATS`; None recognises it.
         rate_hz: Frames per second; needed where the files do not say it.
         camera: The camera of pixels, if the files do not say it.
         infant: Which of several persons is the infant: its identity or, where persons have none, its number in the
@@ -117,3 +118,65 @@ def _recognised(place: Path) -> MotionFormat:
     if place.is_dir() and not any(place.iterdir()):
         raise UnusableFileError("the folder is empty; give the one with the files of the pose estimator")
     raise UnusableFileError(f"is in no format that mimoc recognises; give its format: {', '.join(FORMATS)}")
+
+
+SUFFIXES = ".npz", ".csv"
+
+
+@takes("a recording of points, from mimoc.read_points", PointRecording)
+def write_points(recording: PointRecording, path: str | Path) -> Path:
+    """Write a recording of points that `read_points` reads.
+
+    Args:
+        recording: The recording.
+        path: A file in an existing folder: `.npz` holds all of it, `.csv` all but its camera, name and notes.
+
+    Raises:
+        OutputError: If its name ends in something else, or it cannot be written.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> from mimoc.motion.body_points import film
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> _ = env.reset(seed=0, options={"pose": "supine"})
+        >>> still = np.repeat(env.unwrapped.data.qpos[None], 90, axis=0)
+        >>> mimoc.read_points(mimoc.write_points(film(env.unwrapped.model, still, 30), "still.npz")).frames
+        90
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise OutputError(f"{path}: not a name for points; end it in {' or '.join(SUFFIXES)}")
+    content = pack(recording) if path.suffix.lower() == ".npz" else "\n".join([*_lines(recording), ""]).encode()
+    return write_file(path, content)
+
+
+def write_mini_rgbd(recording: PointRecording, folder: Path) -> Path:
+    """Write a recording as a sequence of MINI-RGBD: joints in pixels with their depth, or in space.
+
+    Of 25 joints it has those that are points of the recording and are seen; places in space are in the frame of a
+    camera that looks down from the height of 1 m.
+    """
+    joints = FOLDERS[recording.unit == "m"]
+    place = make_folder(folder / joints.folder, below=folder.parent)
+    numbers = [JOINTS.index(POINTS[name]) for name in recording.names]
+    depth_m = np.zeros(recording.confidence.shape) if recording.depth_m is None else recording.depth_m
+    columns = np.concatenate([recording.positions, depth_m[..., None]], axis=-1)[..., :3]
+    if joints.in_space:
+        columns = columns * (1.0, -1.0, -1.0) + (0.0, 0.0, 1.0)
+    for frame, rows in enumerate(columns.tolist()):
+        seen = [(row, number) for row, number in zip(rows, numbers, strict=True) if not math.isnan(sum(row))]
+        text = "".join(f"{first!r} {second!r} {third!r} {number}\n" for (first, second, third), number in seen)
+        write_file(place / f"{joints.prefix}{frame:05d}.txt", text.encode())
+    return folder
+
+
+def _lines(recording: PointRecording) -> Iterator[str]:
+    depth = () if recording.depth_m is None else (recording.depth_m[..., None],)
+    axes = ("x_m", "y_m", "z_m") if recording.unit == "m" else ("x", "y")
+    ends = (*axes, "confidence", *(("depth_m",) if depth else ()))
+    yield ",".join(["frame", "time_s", *(f"{name}_{end}" for name in recording.names for end in ends)])
+    values = np.concatenate([recording.positions, recording.confidence[..., None], *depth], axis=-1)
+    for frame, row in enumerate(values.reshape(recording.frames, -1).tolist()):
+        numbers = ["" if math.isnan(number) else repr(number) for number in row]
+        yield ",".join([str(frame), repr(frame / recording.rate_hz), *numbers])

@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.motion.options import Up
-from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
-from mimoc.motion.points import SIDES
+from mimoc.motion.labels import SIDES
+from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording, Up
 
 _LIMBS: Mapping[str, Sequence[str]] = {
     "arms": ("shoulder", "elbow", "wrist", "hand"),
@@ -18,10 +17,8 @@ _LIMBS: Mapping[str, Sequence[str]] = {
 _JUMP = 0.25
 """Least mean distance, in trunks, that the points of both limbs jump from a frame to the next if they are exchanged:
 hips alone, which are closest together, are .21 to .29 apart. Limbs that move need several frames for it."""
-_RATIO = 1 / 3
-"""How much shorter the way must be if left and right are exchanged back."""
-_LEAST_ACROSS = 0.1
-"""Of the trunk's length squared: less of the front is seen of an infant that lies on its side."""
+_RATIO = 1 / 3  # How much shorter the way must be if left and right are exchanged back.
+_LEAST_ACROSS = 0.1  # Of the trunk's length squared: less of the front is seen of an infant that lies on its side.
 _TURNS: Mapping[str, npt.NDArray[np.int_]] = {
     "x": np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]]),
     "-x": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
@@ -30,8 +27,7 @@ _TURNS: Mapping[str, npt.NDArray[np.int_]] = {
     "-z": np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
 }
 """Rotations that turn an axis to z."""
-_LEAST_BEND = 0.3
-"""Sine of the angle, about the infant's left, from which on a knee is clearly bent."""
+_LEAST_BEND = 0.3  # Sine of the angle, about the infant's left, from which on a knee is clearly bent.
 
 
 def repair_exchanges(recording: PointRecording) -> PointRecording:
@@ -146,7 +142,6 @@ def turned(recording: PointRecording, up: Up | None) -> PointRecording:
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    """Return vectors, shape (t, 3), with the length 1; NaN where it was 0."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return vectors / np.where(lengths > 0, lengths, np.nan)
 

@@ -12,7 +12,44 @@ from mimoc.base.errors import counted
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.frame_files import MOST_FRAMES, frame_places
 from mimoc.motion.point_recording import FloatArray
-from mimoc.motion.units import seconds_in
+
+_METRES = {
+    1.0: "m metre meter mtr",
+    0.1: "dm decimetre decimeter",
+    0.01: "cm centimetre centimeter",
+    0.001: "mm millimetre millimeter",
+    1e-6: "um µm μm micrometre micrometer micron",
+    0.0254: "in inch inche",
+    0.3048: "ft foot feet",
+}
+_SECONDS = {
+    1.0: "s sec second",
+    1e-3: "ms msec milli millisec millisecond",
+    1e-6: "us µs μs usec micro microsec microsecond",
+    1e-9: "ns nsec nano nanosec nanosecond",
+}
+LENGTHS = "mm, cm, dm, m, in, ft"
+_SHORTEST_PLURAL = 3  # Letters: `cms` are centimetres, `ms` are no metres.
+_LENGTHS_BY_WORD, _TIMES_BY_WORD = (
+    {word: size for size, words in sizes.items() for word in words.split()} for sizes in (_METRES, _SECONDS)
+)
+
+
+def metres_in(unit: str) -> float | None:
+    """Return how many metres a unit is, such as .001 of `Millimeters` or `[mm]`; None if it is no unit of length."""
+    return _find(unit, _LENGTHS_BY_WORD)
+
+
+def seconds_in(unit: str) -> float | None:
+    """Return how many seconds a unit is, such as .001 of `ms`; None if it is no unit of time."""
+    return _find(unit, _TIMES_BY_WORD)
+
+
+def _find(unit: str, sizes: dict[str, float]) -> float | None:
+    word = re.sub("[^a-zµμ]", "", unit.lower())
+    single = word.removesuffix("s") if len(word) >= _SHORTEST_PLURAL else word
+    return sizes.get(word, sizes.get(single))
+
 
 IntArray = npt.NDArray[np.intp]
 FRAMES = "frame", "frames", "frame_number", "frame_id", "frame_index", "frame_idx", "frame_no", "frame_num"
@@ -21,20 +58,13 @@ _LIKELY_UNITS = "seconds", "milliseconds", "microseconds", "nanoseconds"
 """Of times without a unit: the first with which the rate is one of cameras."""
 _RATES_HZ = 1.0, 1000.0
 _LARGEST_FRAME = 2**53
-_RATE_DIGITS = 9
-"""Digits of a frame rate that times of some digits can tell, after the point."""
-_JITTER = 0.1
-"""Range of the differences from even times, in frames, that is no more than jitter."""
-_ROUNDED = 1.5
-"""The same in units of the last digit of times, if these are a frame or less."""
-_WHOLE = 0.01
-"""Of a digit: what times are apart from whole numbers of it by the precision of floats."""
-_NEAR = 0.05
-"""Of a frame: a row that is so near is taken for it."""
-_LONGEST_STEP = 1.75
-"""Frames between two rows; more is a gap."""
-_MOST_TWICE = 0.1
-"""Share of rows that may have the time of the row before."""
+_RATE_DIGITS = 9  # Digits of a frame rate that times of some digits can tell, after the point.
+_JITTER = 0.1  # Range of the differences from even times, in frames, that is no more than jitter.
+_ROUNDED = 1.5  # The same in units of the last digit of times, if these are a frame or less.
+_WHOLE = 0.01  # Of a digit: what times are apart from whole numbers of it by the precision of floats.
+_NEAR = 0.05  # Of a frame: a row that is so near is taken for it.
+_LONGEST_STEP = 1.75  # Frames between two rows; more is a gap.
+_MOST_TWICE = 0.1  # Share of rows that may have the time of the row before.
 _WHOLE_RATE = 0.02
 """Resampled recordings have a whole number of frames a second, if their usual rate is so near to one."""
 
@@ -42,12 +72,9 @@ _WHOLE_RATE = 0.02
 class Timing(NamedTuple):
     """When the rows of a table were."""
 
-    rows: IntArray
-    """The rows that count, shape (n,)."""
-    places: FloatArray
-    """Where they are on the axis of frames, whose numbers are 0, 1, 2 ..., shape (n,)."""
-    rate_hz: float
-    """NaN if nothing says it."""
+    rows: IntArray  # The rows that count, shape (n,).
+    places: FloatArray  # Where they are on the axis of frames, whose numbers are 0, 1, 2 ..., shape (n,).
+    rate_hz: float  # NaN if nothing says it.
     notes: tuple[str, ...]
 
 
@@ -55,8 +82,7 @@ class _Times(NamedTuple):
     """A column of times."""
 
     values: FloatArray
-    second: float
-    """One second, in the unit of the values; 0 if they are numbers of frames."""
+    second: float  # One second, in the unit of the values; 0 if they are numbers of frames.
     notes: tuple[str, ...] = ()
 
 
@@ -125,7 +151,6 @@ def _between(places: FloatArray) -> tuple[IntArray, FloatArray, npt.NDArray[np.b
 
 
 def _times(header: Sequence[str], numbers: FloatArray) -> _Times | None:
-    """Return the column of times, if there is one; without a unit in its name, in the one that is likely."""
     units = [(index, unit) for index, cell in enumerate(header) if (unit := _unit_of_times(cell)) is not None]
     if not units:
         return None
@@ -154,7 +179,6 @@ def _unit_of_times(cell: str) -> float | None:
 
 
 def _usual(steps: FloatArray) -> float:
-    """Return the median of steps: of two in the middle, the lower."""
     return float(np.percentile(steps, 50, method="lower"))
 
 

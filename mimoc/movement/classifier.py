@@ -13,22 +13,17 @@ from mimoc.movement.measures import core_measures
 IntArray = npt.NDArray[np.integer]
 BoolArray = npt.NDArray[np.bool_]
 WINDOW_S = 8.0
-SHRINKAGE = 0.5
-"""Share of the covariance that is shrunk to its diagonal."""
-RIDGE = 0.05
-"""Added to the variances of the standardised measures."""
-LARGEST_SCORE = 4.0
-"""Standardised measures are clipped at it."""
+SHRINKAGE = 0.5  # Share of the covariance that is shrunk to its diagonal.
+RIDGE = 0.05  # Added to the variances of the standardised measures.
+LARGEST_SCORE = 4.0  # Standardised measures are clipped at it.
 
 
 @dataclass(frozen=True)
 class Windows:
     """The 21 measures of windows of 8 s of some infants."""
 
-    values: FloatArray
-    """Shape (w, 21), in the order of `mimoc.base.quantities.movement.CORE`."""
-    infants: IntArray
-    """Which infant each is of, shape (w,)."""
+    values: FloatArray  # Shape (w, 21), in the order of `mimoc.base.quantities.movement.CORE`.
+    infants: IntArray  # Which infant each is of, shape (w,).
 
     @property
     def are_enough(self) -> bool:

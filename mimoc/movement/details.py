@@ -7,20 +7,16 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.quantities.movement_details import CENTROID, DETAILS
+from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import FloatArray
-from mimoc.motion.points import SIDES
-from mimoc.movement.measures import LIMB_POINTS, STILL, correlation, kicks_of, leg_lengths
-from mimoc.movement.trunk_frame import TrunkPaths
+from mimoc.movement.measures import LIMB_POINTS, STILL, TrunkPaths, correlation, kicks_of, leg_lengths
 from mimoc.runtime.quantities.movement_units import MOVING_TRUNK_S, unit_spans
 
 AT_FACE_TRUNK = 0.4
 """A hand this near to the middle of the head is at the face: the head's radius, .07 m, and the half of a hand."""
-TOUCHING_TRUNK = 0.25
-"""Hands or feet this near to each other are together: their breadth, .05 m."""
-TOGETHER_S = 0.2
-"""Kicks of both legs within this time are together."""
-PATH_HZ, PATH_STEPS = 10.0, range(1, 9)
-"""Rate and steps at which the complexity of a path is looked at."""
+TOUCHING_TRUNK = 0.25  # Hands or feet this near to each other are together: their breadth, .05 m.
+TOGETHER_S = 0.2  # Kicks of both legs within this time are together.
+PATH_HZ, PATH_STEPS = 10.0, range(1, 9)  # Rate and steps at which the complexity of a path is looked at.
 
 
 def details_of(body: TrunkPaths) -> dict[str, float]:

@@ -5,10 +5,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import FloatArray, PointRecording
-from mimoc.motion.points import SIDES
-from mimoc.movement.measures import correlation, kicks_of
-from mimoc.movement.trunk_frame import stand_ins
+from mimoc.movement.measures import correlation, kicks_of, stand_ins
 from mimoc.runtime.quantities.movement_units import unit_spans
 
 PAIRS = ("hip", "knee"), ("knee", "ankle"), ("hip", "ankle")

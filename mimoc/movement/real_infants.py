@@ -17,15 +17,12 @@ from mimoc.movement.classifier import Windows, told_apart
 from mimoc.movement.sample import Sample
 
 NAME = "12 real infants (MINI-RGBD)"
-INFANTS, WINDOWS = 12, 4
-"""How many there are, and windows of each."""
-DISTANCES = 0.77, 1.12, 1.57
-"""Least, median and largest distance of one of them from the other 11."""
+INFANTS, WINDOWS = 12, 4  # How many there are, and windows of each.
+DISTANCES = 0.77, 1.12, 1.57  # Least, median and largest distance of one of them from the other 11.
 FLOOR = 0.48, 0.12
 """Mean and standard deviation of the accuracy at which six of them are told from the other six, over all 462 ways to
 divide them; .73 for those of odd and even numbers."""
-DRAWS = 20
-"""Samples of real infants' windows that are drawn from their aggregates."""
+DRAWS = 20  # Samples of real infants' windows that are drawn from their aggregates.
 FILES = Path(__file__).with_name("real_infants.csv"), Path(__file__).with_name("real_windows.csv")
 
 

@@ -9,17 +9,15 @@ import numpy as np
 
 from mimoc.base.errors import MovementError
 from mimoc.base.quantities import QUANTITIES
+from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import PointRecording
-from mimoc.motion.points import SIDES
 from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, told_apart_error, windows_of
-from mimoc.movement.filming import Filmed
+from mimoc.movement.filming import Filmed, Progress, no_progress
 from mimoc.movement.joints import joint_measures
-from mimoc.movement.measured import measure_movement
+from mimoc.movement.measured import measure_movement, measure_sides
+from mimoc.movement.measures import LEAST_S, stand_ins, trunk_paths
 from mimoc.movement.real_infants import told_from_real
 from mimoc.movement.sample import Sample, distance, standard_scores
-from mimoc.movement.sides import measure_sides
-from mimoc.movement.simulated import Progress, no_progress
-from mimoc.movement.trunk_frame import LEAST_S, stand_ins, trunk_paths
 
 SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
 """Speeds that tell whether sides differ, and from which ratio on they do; a choice."""
@@ -30,24 +28,18 @@ DIGITS = 6
 class ToldApart:
     """How well a classifier tells two groups of infants apart by windows of 8 s."""
 
-    accuracy: float
-    """Balanced accuracy, with whole infants left out; .5 is chance."""
-    exact: bool
-    """Whether the other group are recordings; or else windows drawn from the aggregates of a sample."""
-    deviation: float
-    """Standard deviation over the draws; of recordings, the standard error, from how infants differ."""
-    windows: int
-    """How many windows there are of the infants that are measured."""
+    accuracy: float  # Balanced accuracy, with whole infants left out; .5 is chance.
+    exact: bool  # Whether the other group are recordings; or else windows drawn from the aggregates of a sample.
+    deviation: float  # Standard deviation over the draws; of recordings, the standard error, from how infants differ.
+    windows: int  # How many windows there are of the infants that are measured.
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
     """How far the values that a mean is of are apart."""
 
-    n: int
-    """How many there are: infants or, of one infant, windows of its recording."""
-    sd: float | None
-    """Standard deviation (n - 1); None of a single value."""
+    n: int  # How many there are: infants or, of one infant, windows of its recording.
+    sd: float | None  # Standard deviation (n - 1); None of a single value.
 
 
 @dataclass(frozen=True)
@@ -55,8 +47,7 @@ class MovementMeasures:
     """The measures of some infants, and of the sample that they are compared with."""
 
     names: tuple[str, ...]
-    infants: tuple[Mapping[str, float], ...]
-    """Measures of each, by the name of the quantity."""
+    infants: tuple[Mapping[str, float], ...]  # Measures of each, by the name of the quantity.
     sample: Sample | None = None
     apart: ToldApart | None = None
     notes: tuple[str, ...] = ()
@@ -64,8 +55,7 @@ class MovementMeasures:
     """The measures of each that a side has, by `left` and `right`."""
     windows: "MovementMeasures | None" = None
     """Of one infant: the measures of the windows that its recording is divided into; None if it is too short."""
-    window_s: float | None = None
-    """How long each of these is."""
+    window_s: float | None = None  # How long each of these is.
     beside: Mapping[str, "MovementMeasures"] = field(default_factory=dict)
     """Those of counterparts of an infant, by what they are, such as `healthy`."""
 

@@ -7,8 +7,7 @@ import numpy as np
 
 from mimoc.base.quantities.movement import CORE
 
-LARGEST_SCORE = 10.0
-"""Scores beyond it count as this in a distance, so that one measure alone does not decide."""
+LARGEST_SCORE = 10.0  # Scores beyond it count as this in a distance, so that one measure alone does not decide.
 
 
 @dataclass(frozen=True)
@@ -17,10 +16,8 @@ class Sample:
 
     name: str
     infants: int
-    means: Mapping[str, float]
-    """By the name of the quantity."""
-    deviations: Mapping[str, float]
-    """Standard deviations between infants (n - 1)."""
+    means: Mapping[str, float]  # By the name of the quantity.
+    deviations: Mapping[str, float]  # Standard deviations between infants (n - 1).
 
     @classmethod
     def of(cls, measures: Sequence[Mapping[str, float]], name: str = "sample") -> "Sample":

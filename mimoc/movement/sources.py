@@ -10,17 +10,14 @@ from mimoc.base.errors import MovementError
 from mimoc.base.kinds import function_of
 from mimoc.motion.joint_motion import MOTION
 from mimoc.motion.reading import read_again, read_points
-from mimoc.movement.filming import Filmed, noted
-from mimoc.movement.simulated import SECONDS, Progress, film_policy, film_recording, no_progress
+from mimoc.movement.filming import SECONDS, Filmed, Progress, film_policy, film_recording, no_progress, noted
 from mimoc.policies.policy import PolicyMaker
 from mimoc.recording.folder import read_infant
-from mimoc.schema.components.motion import FORMATS
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.kinds import FORMATS
 
-POINTS = "points.npz"
-"""The recorded points in a folder that `mimoc retarget` wrote."""
-RECORDING, COHORT = "recording.json", "cohort.json"
-"""Marks of the folders of mimoc's recordings and of cohorts."""
+POINTS = "points.npz"  # The recorded points in a folder that `mimoc retarget` wrote.
+RECORDING, COHORT = "recording.json", "cohort.json"  # Marks of the folders of mimoc's recordings and of cohorts.
 BUNDLE = "manifest.json"
 SPECS = ".yaml", ".yml"
 MOST = 1000

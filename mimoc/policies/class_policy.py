@@ -16,7 +16,7 @@ from mimoc.base.errors import PolicyError
 from mimoc.policies.policy import PolicyMaker
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import Observation
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 CLASS = re.compile(r"([A-Za-z_][\w.]*):[A-Za-z_]\w*")
 EXAMPLE = "my_policy:Kicker"

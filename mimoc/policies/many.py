@@ -7,12 +7,11 @@ import numpy as np
 
 from mimoc.base.errors import PolicyError
 from mimoc.base.kinds import function_of
-from mimoc.policies.batch import Batch, batch_of
 from mimoc.policies.named import Loader, Policies, limits_of, policies_of, policy_of, summed, with_silence
-from mimoc.policies.policy import BatchPolicy, Policy, PolicyMaker, begin_rows, start_again
+from mimoc.policies.policy import Batch, BatchPolicy, Policy, PolicyMaker, batch_of, begin_rows, start_again
 from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
+from mimoc.runtime.batch.vector_env import infants_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.infants import infants_of
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.world_env import WorldEnv
 

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.physics_state import physics_of, set_physics
+from mimoc.bundle.model import physics_of, set_physics
 from mimoc.motion.joint_motion import JointMotion, States, read_motion
 from mimoc.policies.control.tracking import Body, Demand, Tracker, Wanted
-from mimoc.policies.starting import begin_here
+from mimoc.policies.policy import begin_here
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 
@@ -26,12 +26,9 @@ class Followed:
 
     body: Body
     manifest: Manifest
-    errors_rad: FloatArray
-    """Of joint angles, shape (t, n)."""
-    root_errors: FloatArray
-    """Of the root's place [m] and orientation [rad], shape (t, 6); (t, 0) if it is held."""
-    applied: FloatArray
-    """Force [N] and torque [N m] that were applied at the root, shape (t, 6)."""
+    errors_rad: FloatArray  # Of joint angles, shape (t, n).
+    root_errors: FloatArray  # Of the root's place [m] and orientation [rad], shape (t, 6); (t, 0) if it is held.
+    applied: FloatArray  # Force [N] and torque [N m] that were applied at the root, shape (t, 6).
     demand: Demand
     headings = "joint", "error [°]", "torque needed / available", "95th percentile", "above 1", "known"
     """Of the columns of `rows`."""
@@ -92,8 +89,7 @@ class Followed:
         return metrics
 
 
-PLACE, TURN = slice(0, 3), slice(3, 6)
-"""Linear and angular part of a velocity or wrench of the root."""
+PLACE, TURN = slice(0, 3), slice(3, 6)  # Linear and angular part of a velocity or wrench of the root.
 
 
 def _of_joints(prefix: str, errors_rad: FloatArray, shares: FloatArray) -> Iterator[tuple[str, float]]:

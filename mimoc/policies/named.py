@@ -21,10 +21,9 @@ from mimoc.policies.policy import (
 from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
-from mimoc.runtime.voice import HIGH, LOW
+from mimoc.runtime.sound import VOICE_HIGH, VOICE_LOW
 
-Loader = Callable[[str], PolicyMaker]
-"""Loads the trained policy in a file, as `mimoc.load_policy` does."""
+Loader = Callable[[str], PolicyMaker]  # Loads the trained policy in a file, as `mimoc.load_policy` does.
 Policies = str | PolicyMaker | Mapping[str, str | PolicyMaker]
 """A policy of all infants of an environment, or policies by infant; see `policies_of`."""
 AT_REST = "zero"
@@ -162,7 +161,7 @@ def with_silence(actions: Any, joints: int) -> Any:
     """Return actions, shape (..., n), with a silent voice behind them, unless they have commands for it."""
     if actions.shape[-1] != joints:
         return actions
-    return np.concatenate([actions, np.zeros((*actions.shape[:-1], len(LOW)), actions.dtype)], axis=-1)
+    return np.concatenate([actions, np.zeros((*actions.shape[:-1], len(VOICE_LOW)), actions.dtype)], axis=-1)
 
 
 def limits_of(env: Infant) -> tuple[FloatArray, FloatArray]:
@@ -170,4 +169,4 @@ def limits_of(env: Infant) -> tuple[FloatArray, FloatArray]:
     low, high = env.actuation.low, env.actuation.high
     if env.manifest.actuation.voice is None:
         return low, high
-    return np.concatenate([low, LOW]), np.concatenate([high, HIGH])
+    return np.concatenate([low, VOICE_LOW]), np.concatenate([high, VOICE_HIGH])

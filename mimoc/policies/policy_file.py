@@ -1,27 +1,32 @@
-"""Files of trained policies, read once: what they say of themselves, and their arrays."""
+"""Trained policies and their files: what they say of themselves, their arrays, and networks that NumPy computes."""
 
 import io
 import json
+import math
 import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, PolicyError, UnknownNameError
-from mimoc.bundle.arrays import unpack_arrays
+from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.infant import Infant
+
+FloatArray = npt.NDArray[np.float32]
 
 MOST_BYTES = 2**29
 """Of an archive, and of all that is unpacked of it; 512 MB. Policies of all senses and both eyes have some 10 MB."""
 SMALL_BYTES = 2**24
 """Of a member that may be packed to any degree: descriptions, and statistics of a skin that nothing has touched."""
-MOST_RATIO = 20
-"""Of a larger member to its packed size: weights of networks are noise, which cannot be packed."""
+MOST_RATIO = 20  # Of a larger member to its packed size: weights of networks are noise, which cannot be packed.
 MOST_MEMBERS = 1000
 
 
@@ -51,8 +56,7 @@ DAMAGED = (
 """Exceptions that reading a file that is not a policy may raise."""
 
 
-ABOUT, WEIGHTS = "mimoc.json", "weights.npz"
-"""The files in every policy archive: its description, and its arrays."""
+ABOUT, WEIGHTS = "mimoc.json", "weights.npz"  # The files in every policy archive: its description, and its arrays.
 OF_AGENT, OF_NETWORK = 2, 3
 """Versions of files: of agents of Stable-Baselines3, and of one plain network. Those of version 1 had no arrays."""
 NO_SUCH_FILE = "there is no such file; name the policy.zip of a training run"
@@ -65,8 +69,7 @@ class PolicyFile:
     """A trained policy as its file has it; no code from the file is run."""
 
     path: Path
-    about: dict[str, Any]
-    """Its description; see `interface_of`."""
+    about: dict[str, Any]  # Its description; see `interface_of`.
     archive: Archive
 
     def arrays(self, name: str) -> dict[str, np.ndarray]:
@@ -155,3 +158,155 @@ def _layout(env: Infant, name: str) -> list[str]:
         return list(env.layout(name))
     except UnknownNameError:  # An image, or an observation of the task.
         return []
+
+
+@dataclass(frozen=True)
+class TrainedPolicy:
+    """A deterministic policy: the same observation always gives the same action, without exploration."""
+
+    act: Callable[[dict[str, Any]], np.ndarray]
+    """Returns the action for an observation, shape (n,); plain networks also for k of them, which have a leading axis,
+    shape (k, n)."""
+    steps_per_episode: int | None
+    """Control steps after which an episode of its training was truncated; None if that is not known."""
+
+    def __call__(self, generator: Any, observation: dict[str, Any]) -> np.ndarray:
+        """Return the action for an observation, or raise a PolicyError if it is not finite; *generator* is not used."""
+        action = self.act(observation)
+        if not np.isfinite(action).all():
+            raise PolicyError("this policy gives commands that are not finite; train it again")
+        return action
+
+
+MOST_LAYERS = 17
+
+
+@dataclass(frozen=True)
+class Network:
+    """Layers of weights W and biases b after a normalisation of the observations x, in single precision.
+
+    The input is h₀ = clip((x - mean) / deviation, -c, c), and hᵢ₊₁ = elu(Wᵢ hᵢ + bᵢ), where elu(z) is z above zero and
+    exp(z) - 1 below; the last layer has no elu.
+    """
+
+    mean: FloatArray  # Shape (n,), in units of the observations.
+    deviation: FloatArray  # Shape (n,), likewise.
+    clip: float  # Absolute value c at which normalised observations are clipped.
+    layers: Sequence[tuple[FloatArray, FloatArray]]
+    """Weights, shape (outputs, inputs), and biases, shape (outputs,), of each layer."""
+
+    def __call__(self, inputs: FloatArray) -> FloatArray:
+        """Return the outputs, shape (..., m), for observations side by side, shape (..., n)."""
+        values = np.clip((inputs - self.mean) / self.deviation, -self.clip, self.clip)
+        *hidden, (weights, biases) = self.layers
+        for inner_weights, inner_biases in hidden:
+            sums = values @ inner_weights.T + inner_biases
+            values = np.where(sums > 0, sums, np.expm1(np.minimum(sums, 0)))
+        return values @ weights.T + biases
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return all numbers, by their names in the file of a policy."""
+        known: dict[str, np.ndarray] = {"mean": self.mean, "deviation": self.deviation, "clip": np.array(self.clip)}
+        for number, (weights, biases) in enumerate(self.layers):
+            known |= {f"{number}.weights": weights, f"{number}.biases": biases}
+        return known
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, np.ndarray], inputs: int, outputs: int) -> "Network":
+        """Return what `arrays` was called on; raise a Key- or ValueError if it is no network of these sizes."""
+        count, rest = divmod(len(arrays) - 3, 2)
+        if rest or not 1 <= count <= MOST_LAYERS:
+            raise ValueError("a network of another number of layers")
+        layers = [(_real(arrays[f"{i}.weights"]), _real(arrays[f"{i}.biases"])) for i in range(count)]
+        mean, deviation, clip = (_real(arrays[name]) for name in ("mean", "deviation", "clip"))
+        size = inputs
+        for weights, biases in layers:
+            if biases.ndim != 1 or weights.shape != (len(biases), size):
+                raise ValueError("a layer of another size")
+            size = len(biases)
+        if size != outputs or not mean.shape == deviation.shape == (inputs,) or not (deviation > 0).all():
+            raise ValueError("a network of another size")
+        return cls(mean, deviation, float(clip), layers)
+
+
+def pack_network(network: Network, about: Mapping[str, Any]) -> bytes:
+    """Return the content of a policy file: the same bytes for the same network and description, on every system.
+
+    *about* is the name of the `infant`, what it `observes` and `commands` (`interface_of`), and the `settings` of its
+    training, of which `steps_per_episode` is read.
+    """
+    content = io.BytesIO()
+    description = json.dumps({**about, "policy": OF_NETWORK}, indent=1, sort_keys=True)
+    with zipfile.ZipFile(content, "w") as archive:
+        for name, member in ((ABOUT, description.encode()), (WEIGHTS, pack_arrays(network.arrays()))):
+            info = zipfile.ZipInfo(name, FIRST_DATE)
+            info.create_system, info.external_attr = UNIX, READABLE
+            archive.writestr(info, member)
+    return content.getvalue()
+
+
+def load_network(file: PolicyFile) -> PolicyMaker | None:
+    """Return the policy in a file if it is one plain network; return None if it is one of Stable-Baselines3.
+
+    It needs NumPy alone. The returned function raises a PolicyError for an infant that lacks what the trained infant
+    observes, or has other actuators; what it observes besides is left alone.
+
+    Raises:
+        PolicyError: If it is damaged.
+    """
+    path, about = file.path, file.about
+    if about["policy"] != OF_NETWORK:
+        return None
+    try:
+        inputs = sum(math.prod(item["shape"]) for item in about["observes"].values())
+        network = Network.of_arrays(file.arrays(WEIGHTS), inputs, len(about["commands"]))
+    except DAMAGED:
+        raise PolicyError(f"{path}: {NOT_A_POLICY}") from None
+    return lambda env: _bind(path, about, network, env)
+
+
+def _bind(path: Path, about: Mapping[str, Any], network: Network, env: Infant) -> Policy:
+    """Return the policy for an environment; raise a PolicyError if it does not fit.
+
+    An infant may sense more than the one in training: what that one sensed is picked by its names.
+    """
+    trained, interface = about["observes"], interface_of(env)
+    observes = {name: item for name, item in interface["observes"].items() if name in trained}
+    picks = {name: pick for name, item in observes.items() if (pick := _pick(trained[name], item)) is not None}
+    check_fits(path, about, {**interface, "observes": {**observes, **{name: trained[name] for name in picks}}})
+    shapes = {name: tuple(trained[name]["shape"]) for name in sorted(trained)}
+    space: Any = env.action_space
+    act = partial(_act, network, shapes, picks, (space.low, space.high))
+    return TrainedPolicy(act, about["settings"].get("steps_per_episode"))
+
+
+def _act(
+    network: Network,
+    shapes: Mapping[str, tuple[int, ...]],
+    picks: Mapping[str, npt.NDArray[np.intp]],
+    limits: tuple[np.ndarray, np.ndarray],
+    observation: Mapping[str, Any],
+) -> FloatArray:
+    """Return the action of a network for what it observes: arrays of some shapes, or picked elements of them."""
+    parts = []
+    for name, shape in shapes.items():
+        array = np.asarray(observation[name], np.float32)
+        if name in picks:
+            array = array[..., picks[name]]
+        parts.append(array.reshape(*array.shape[: array.ndim - len(shape)], math.prod(shape)))
+    return np.clip(network(np.concatenate(parts, axis=-1)), *limits).astype(np.float32)
+
+
+def _pick(trained: Mapping[str, Any], sensed: Mapping[str, Any]) -> npt.NDArray[np.intp] | None:
+    """Return where the elements that were sensed in training are among those sensed now; None if they are not."""
+    wanted, place = trained["layout"], {name: place for place, name in enumerate(sensed["layout"])}
+    if not wanted or len(place) < len(sensed["layout"]) or not place.keys() >= set(wanted):
+        return None
+    return np.array([place[name] for name in wanted])
+
+
+def _real(array: np.ndarray) -> FloatArray:
+    """Return an array in single precision; raise a ValueError if something in it is not finite."""
+    if array.dtype.kind != "f" or not np.isfinite(array).all():
+        raise ValueError("numbers that are not finite")
+    return array.astype(np.float32)

@@ -85,8 +85,7 @@ def mirrored(joints: tuple[str, ...], postures: FloatArray) -> FloatArray:
     return np.where(is_across, -1.0, 1.0) * postures[:, other]
 
 
-ACROSS = ("lean", "rot", "swivel", "side")
-"""In the names of joints in the middle that go to one side."""
+ACROSS = ("lean", "rot", "swivel", "side")  # In the names of joints in the middle that go to one side.
 
 
 def _other_side(joint: str) -> str:

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.policies.batch import Batch
-from mimoc.policies.policy import BatchPolicy, Policy
+from mimoc.policies.policy import Batch, BatchPolicy, Policy
 from mimoc.runtime.infant import Infant
 
 

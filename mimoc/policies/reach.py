@@ -13,10 +13,8 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 
-NEXT_TARGETS_S = 1.5
-"""How long hands have to get to their targets."""
-REACHED_M = 0.02
-"""A hand that was this near to its target at any time before the next one has reached it; a choice."""
+NEXT_TARGETS_S = 1.5  # How long hands have to get to their targets.
+REACHED_M = 0.02  # A hand that was this near to its target at any time before the next one has reached it; a choice.
 
 
 class ReachPolicy:
@@ -101,12 +99,9 @@ def bind(env: Infant) -> ReachPolicy:
 class ReachErrors:
     """Errors of hands and eyes in n trials of t control steps."""
 
-    time_s: FloatArray
-    """Since the targets were drawn, shape (t + 1,), from 0 on."""
-    hands_m: FloatArray
-    """Distance of each hand from its target, shape (n, t + 1, number of hands)."""
-    eyes_rad: FloatArray
-    """Angle between each eye's line of sight and its target, shape (n, t + 1, number of eyes)."""
+    time_s: FloatArray  # Since the targets were drawn, shape (t + 1,), from 0 on.
+    hands_m: FloatArray  # Distance of each hand from its target, shape (n, t + 1, number of hands).
+    eyes_rad: FloatArray  # Angle between each eye's line of sight and its target, shape (n, t + 1, number of eyes).
 
 
 def reach_errors(

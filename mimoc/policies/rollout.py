@@ -11,10 +11,9 @@ import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import Loader, Policies, by_infant, policy_of
-from mimoc.policies.policy import Policy, begin, episode_limit_of, metrics_of, start_again
-from mimoc.policies.starting import check_apart
+from mimoc.policies.policy import Policy, begin, check_apart, episode_limit_of, metrics_of, start_again
+from mimoc.runtime.batch.vector_env import infants_of
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.infants import infants_of
 from mimoc.runtime.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.sense import Observation
 
@@ -23,20 +22,14 @@ from mimoc.runtime.sense import Observation
 class Step:
     """One control step of one infant; or the start of its episode, where it has not acted yet."""
 
-    infant: str
-    """Its name: empty for the only infant of an environment, its number in a vector environment."""
-    episode: int
-    """Number of the episode, from 0."""
-    number: int
-    """Control steps of the episode so far, 0 at its start."""
-    observation: Observation
-    """What it observes after the step."""
-    action: np.ndarray | None
-    """What it commanded; None at the start of an episode."""
+    infant: str  # Its name: empty for the only infant of an environment, its number in a vector environment.
+    episode: int  # Number of the episode, from 0.
+    number: int  # Control steps of the episode so far, 0 at its start.
+    observation: Observation  # What it observes after the step.
+    action: np.ndarray | None  # What it commanded; None at the start of an episode.
     reward: float
     info: dict[str, Any]
-    ended: bool
-    """Whether this was the last step of the episode."""
+    ended: bool  # Whether this was the last step of the episode.
 
     @property
     def success(self) -> bool:
@@ -224,24 +217,17 @@ class Summary:
     `measures` has all quantities that are measured in `run`; those that mimoc always has are also properties.
     """
 
-    steps: int
-    """Number of control steps."""
-    episodes: int
-    """Number of episodes started."""
+    steps: int  # Number of control steps.
+    episodes: int  # Number of episodes started.
     simulated_s: float
-    wall_s: float
-    """Wall time of the simulation, without rendering and printing."""
+    wall_s: float  # Wall time of the simulation, without rendering and printing.
     total_reward: float
-    task: str
-    """Kind of the task."""
-    finished: int
-    """Number of completed episodes."""
-    successes: int
-    """Number of successful episodes."""
+    task: str  # Kind of the task.
+    finished: int  # Number of completed episodes.
+    successes: int  # Number of successful episodes.
     measures: Mapping[str, Value]
     """All that is measured of a run, by the name of the quantity; None for a mean of nothing."""
-    metrics: Mapping[str, float]
-    """What else the policy reports, by name with its unit; see `Policy`."""
+    metrics: Mapping[str, float]  # What else the policy reports, by name with its unit; see `Policy`.
 
     @property
     def mean_return(self) -> float | None:
@@ -343,16 +329,12 @@ class _Group:
     """Infants that begin their episodes together."""
 
     names: tuple[str, ...]
-    first: int
-    """Number of its first infant among all."""
+    first: int  # Number of its first infant among all.
     episode: int
-    goes_on: bool
-    """Whether it has an episode."""
+    goes_on: bool  # Whether it has an episode.
     limit: float = math.inf
-    taken: int = 0
-    """Control steps of this episode."""
-    acting: list[str] = field(default_factory=list)
-    """Infants whose episode goes on."""
+    taken: int = 0  # Control steps of this episode.
+    acting: list[str] = field(default_factory=list)  # Infants whose episode goes on.
 
 
 Begun = Mapping[str, tuple[Observation, dict[str, Any]]]

@@ -3,9 +3,8 @@
 from pathlib import Path
 
 from mimoc.base.errors import PolicyError
-from mimoc.policies.network import load_network
 from mimoc.policies.policy import Policy
-from mimoc.policies.policy_file import read_policy
+from mimoc.policies.policy_file import load_network, read_policy
 from mimoc.policies.postures import PosturePolicy, read_postures
 from mimoc.runtime.infant import Infant
 

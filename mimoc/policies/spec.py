@@ -5,11 +5,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from mimoc.base.errors import PolicyError, check_name
-from mimoc.schema.components.policies import POLICIES
-from mimoc.schema.kinds import PolicyKind
+from mimoc.schema.kinds import POLICIES, PolicyKind
 
-TRAINED = ".zip"
-"""How the path of a trained policy ends."""
+TRAINED = ".zip"  # How the path of a trained policy ends.
 NAMED = re.compile("[a-z][a-z0-9_]*(:.*)?", re.DOTALL)
 CALLED = re.compile(r"([a-z][a-z0-9_]*)\((.*)\)", re.DOTALL)
 """A name with its argument in parentheses, which means the same as after a colon."""
@@ -22,8 +20,7 @@ FOR_INFANT = re.compile(r"(?:^|,)\s*([a-z][a-z0-9_]*)\s*=(?![^(]*\))")
 class PolicyPart:
     """One policy of a sum."""
 
-    kind: PolicyKind | None
-    """Its record; None for a trained policy."""
+    kind: PolicyKind | None  # Its record; None for a trained policy.
     argument: str | None
     """What stands after the colon or in the parentheses, None if there are none; the path of a trained policy."""
     text: str

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from mimoc.policies.batch import Batch
-from mimoc.policies.policy import BatchPolicy, Policy
+from mimoc.policies.policy import Batch, BatchPolicy, Policy
 from mimoc.runtime.infant import Infant
 
 

@@ -11,7 +11,7 @@ from mimoc.base.errors import KindError, OutputError, RecordingError
 from mimoc.base.kinds import function_of
 from mimoc.bundle.files import staged_folder
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
-from mimoc.schema.components.exporters import EXPORTERS
+from mimoc.schema.kinds import EXPORTERS
 
 
 @takes("a recording, or the folder of one", ReadRecording, *PATH)

@@ -1,11 +1,13 @@
 """The folder of a recording: which infants were recorded, and where each of their episodes is."""
 
+import csv
 import fcntl
+import io
 import json
 import os
 import platform
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
@@ -17,9 +19,10 @@ from typing import Any, BinaryIO
 from mimoc.base.errors import MimocError, OutputError, RecordingError
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
-from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
+from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, read_regular_file, regular_files
 from mimoc.bundle.world import WorldBundle
 from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
+from mimoc.recording.movement_column import Column
 from mimoc.version import __version__
 
 EPISODES, BUNDLES = "episodes", "bundles"
@@ -27,8 +30,7 @@ TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
 AnyBundle = Bundle | WorldBundle
-DIGITS = 16
-"""Of a bundle's digest in the name of its folder."""
+DIGITS = 16  # Of a bundle's digest in the name of its folder.
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +39,7 @@ class EpisodeFiles:
 
     infant: int
     number: int
-    stems: tuple[Path, ...]
-    """Paths of the parts without extensions."""
+    stems: tuple[Path, ...]  # Paths of the parts without extensions.
 
     @property
     def folder(self) -> Path:
@@ -273,3 +274,40 @@ def lock_folder(folder: Path, busy: MimocError) -> int:
         os.close(handle)
         raise busy from None
     return handle
+
+
+DICTIONARY = "columns.csv"
+HEADINGS = ("name", "unit", "about", "frame", "source")
+MOST_BYTES = 2**23  # Of a dictionary; an infant with five fingers and muscles has 0.2 MB.
+
+
+def write_dictionary(folder: Path, columns: Iterable[Column]) -> None:
+    """Write what columns are beside what the folder's dictionary says of others, or raise an OutputError."""
+    entries = read_dictionary(folder) | {
+        column.name: {heading: str(getattr(column, heading)) for heading in HEADINGS} for column in columns
+    }
+    write_file(folder / DICTIONARY, table_text(HEADINGS, entries.values()))
+
+
+def read_dictionary(folder: Path) -> dict[str, Mapping[str, str]]:
+    """Return what the dictionary of a recording says of each column, by name; nothing if there is none."""
+    path = folder / DICTIONARY
+    try:
+        content = read_regular_file(path, MOST_BYTES, below=folder)
+        rows = [*csv.DictReader(io.StringIO((content or b"").decode()), strict=True)]
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise RecordingError(f"{path}: the file is damaged") from None
+    if any(tuple(row) != HEADINGS or None in row.values() for row in rows):
+        raise RecordingError(f"{path}: its columns must be {', '.join(HEADINGS)}")
+    return {row["name"]: row for row in rows}
+
+
+def table_text(headings: Sequence[str], rows: Iterable[Mapping[str, str]]) -> bytes:
+    """Return a table as CSV."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, headings, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue().encode()

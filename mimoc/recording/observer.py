@@ -11,24 +11,21 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.physics_state import physics_of
-from mimoc.recording import frames, tables
-from mimoc.recording.blocks import Block, reading_of
-from mimoc.recording.columns import Described
+from mimoc.bundle.model import physics_of
+from mimoc.recording import tables
+from mimoc.recording.columns import Block, Described, reading_of
+from mimoc.recording.description import to_plain
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
-from mimoc.recording.movement_columns import GROUPS
-from mimoc.recording.movement_columns.column import Column
-from mimoc.recording.movement_columns.reader import MovementReader
-from mimoc.recording.state_text import to_plain
-from mimoc.runtime.infant import Infant
-from mimoc.runtime.observer import Observer
+from mimoc.recording.movement_column import Column
+from mimoc.recording.movement_columns import GROUPS, MovementReader
+from mimoc.recording.video import PICTURES_SUFFIX, write_pictures
+from mimoc.runtime.infant import Infant, Observer
 from mimoc.runtime.quantities.measuring import StepMeasures
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import INFANTS, Simulation
 
 Job = Callable[[], None]
-WAITING = 4
-"""Jobs that wait at most; who brings another one waits as well, so that memory does not grow."""
+WAITING = 4  # Jobs that wait at most; who brings another one waits as well, so that memory does not grow.
 
 
 class Writer:
@@ -76,12 +73,9 @@ class Writer:
             raise self._error
 
 
-NOTHING_YET = 0.0, False, False
-"""Reward, terminated and truncated of what is observed before the first step."""
-ACTION = "float32"
-"""Type of actions, unless a change says otherwise."""
-SINCE_RESET = ("physics", "signals", "steps")
-"""Parts of a state that a reset makes anew, and that it needs not know."""
+NOTHING_YET = 0.0, False, False  # Reward, terminated and truncated of what is observed before the first step.
+ACTION = "float32"  # Type of actions, unless a change says otherwise.
+SINCE_RESET = ("physics", "signals", "steps")  # Parts of a state that a reset makes anew, and that it needs not know.
 RANDOM = ("random", "noise")
 """Parts that a reset with a seed makes anew as well: before the first one they differ each time."""
 
@@ -100,8 +94,7 @@ class _Episode:
     """An episode that is being recorded."""
 
     number: int
-    head: dict[str, Any]
-    """What its sidecar says once."""
+    head: dict[str, Any]  # What its sidecar says once.
     block: Block
     action_dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(ACTION))
     """Type of the latest action: they are written in double precision."""
@@ -116,13 +109,11 @@ class RecordedSimulation:
     """A simulation that is being recorded: what its infants, one or several, have in common."""
 
     simulation: Simulation
-    next_number: int
-    """Number of the next episode, which is that of all infants."""
+    next_number: int  # Number of the next episode, which is that of all infants.
     observers: list["RecordingObserver"] = field(default_factory=list)
     number: int = 0
     before: dict[str, Any] = field(default_factory=dict)
-    physics: bytes = b""
-    """Physics after the latest control step."""
+    physics: bytes = b""  # Physics after the latest control step.
     orders: dict[int, int] = field(default_factory=dict)
     """How many of the orders that each companion has before a control step are kept, by the companion's identity."""
 
@@ -167,7 +158,6 @@ class RecordingObserver(Observer):
         about: Mapping[str, Any],
         movement: Sequence[str] = tuple(GROUPS),
     ):
-        """Begin with the next reset or step of an infant."""
         self.infant, self._shared, self._writer, self._stem_of = infant, shared, writer, stem_of
         self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
         self._movement = MovementReader(infant, movement)
@@ -295,7 +285,6 @@ class RecordingObserver(Observer):
         episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
 
     def _change(self, what: str, value: Any) -> None:
-        """Note a change where those of the simulation are kept, at the step of this infant."""
         keeper = self._shared.keeper
         if keeper is None or keeper._episode is None:
             return
@@ -317,8 +306,8 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
     for reading in described.readings:
         if reading.kind == "picture":
             pictures = block.dense[reading.name][: block.rows]
-            path = with_extension(stem, f".{reading.name}{frames.EXTENSION}")
-            frames.write_pictures(path, pictures, described.rate_hz)
+            path = with_extension(stem, f".{reading.name}{PICTURES_SUFFIX}")
+            write_pictures(path, pictures, described.rate_hz)
     tables.write_block(with_extension(stem, TABLE), block, described)
     write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 

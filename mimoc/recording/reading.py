@@ -13,16 +13,14 @@ from mimoc.base.errors import BundleError, RecordingError, UnknownNameError, che
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.regular_files import is_regular_file
 from mimoc.bundle.world import WorldBundle, read_world_bundle
-from mimoc.recording import frames, tables
-from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.columns import ACTION, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
-from mimoc.recording.description import Change, Description, Sidecar, description_in, read_sidecar
+from mimoc.recording import tables
+from mimoc.recording.columns import ACTION, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Array, Described, Reading
+from mimoc.recording.description import Change, Description, Sidecar, description_in, from_plain, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in
-from mimoc.recording.state_text import from_plain
 from mimoc.recording.tables import MEASURE, OPTIONAL
+from mimoc.recording.video import PICTURES_SUFFIX, read_pictures
 
-LISTS = ACTION, MOVEMENT, MOVEMENT_NAMES
-"""Columns of the files that stand for several."""
+LISTS = ACTION, MOVEMENT, MOVEMENT_NAMES  # Columns of the files that stand for several.
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,6 @@ class Episode:
     files: EpisodeFiles
 
     def __repr__(self) -> str:
-        """Return which episode it is, and its length."""
         return f"Episode(infant={self.infant}, number={self.number}, steps={self.steps}, ended={self.ended!r})"
 
     @property
@@ -160,11 +157,11 @@ class Episode:
         reading = self.reading(name)
         if reading.kind != "picture":
             return tables.array_of(self.table, OBSERVATION + name, reading)
-        return frames.read_pictures(self.videos(name), len(self.step), reading.shape)
+        return read_pictures(self.videos(name), len(self.step), reading.shape)
 
     def videos(self, name: str) -> list[Path]:
         """Return the videos of what an eye saw, one for each part of the episode."""
-        return self.files.with_extension(f".{name}{frames.EXTENSION}")
+        return self.files.with_extension(f".{name}{PICTURES_SUFFIX}")
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
@@ -302,7 +299,6 @@ class ReadRecording(Sequence[Episode]):
         return self.episodes[index]
 
     def __repr__(self) -> str:
-        """Return the folder and the number of episodes."""
         return f"ReadRecording({str(self.path)!r}, {len(self)} episodes)"
 
     @property
@@ -405,7 +401,6 @@ def read_recording(folder: str | Path) -> ReadRecording:
 
 
 def _check(episode: Episode, description: Description) -> None:
-    """Check that an episode is of this recording, and that all its files are there and what it says they are."""
     sidecar, place = episode.sidecar, episode.files.sidecars[0]
     if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
         raise RecordingError(f"{place}: this is an episode of another infant or recording")

@@ -1,6 +1,8 @@
 """Recording a run as a video in real time: infants, followed by a camera, and beside them the views of eyes."""
 
+import io
 import math
+import wave
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from fractions import Fraction
@@ -8,37 +10,87 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from PIL import Image
 
 from mimoc.base.errors import RenderingError, check_name
 from mimoc.base.units import ms_to_s
+from mimoc.bundle.files import write_file
+from mimoc.components.senses.hearing.run import Hearing
 from mimoc.components.senses.vision.eyes import Eyes
 from mimoc.policies.rollout import Policies, Run
-from mimoc.recording.sound_track import SoundTrack, hears, sound_file
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
 from mimoc.render.picture_files import in_rows, rows_of
 from mimoc.render.renderer import Picture, Shown, average_down
+from mimoc.runtime.batch.vector_env import infants_of
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.infants import infants_of
 from mimoc.runtime.sense import Observation
 
-SHAPE = 4 / 3
-"""Aspect ratio of the camera image."""
-SPACE = 1.25
-"""Margin of the field of view around the infant, so that limbs can move without moving the camera."""
-CLOSER = 0.7
-"""The camera moves closer when its distance would be reduced by this factor."""
-FOLLOWING_S = 1.0
-"""Time constant of the camera's motion."""
-HURRY = 0.1
-"""Step by which the camera's motion is sped up until the whole infant is in view."""
-GAP_PX = 4
-"""Gap between the images of a frame."""
+LOUDEST = 32_000
+"""The loudest sample of a track, of 32,767: tracks are as loud as they can be, whatever their sound pressure."""
+SUFFIX = ".wav"
+
+
+def sound_file(video: str | Path) -> Path:
+    """Return the file of the sound that belongs to a video."""
+    return Path(video).expanduser().with_suffix(SUFFIX)
+
+
+def hears(env: Infant) -> bool:
+    """Return whether the infant of an environment has ears."""
+    return isinstance(env.senses.get("hearing"), Hearing)
+
+
+class SoundTrack:
+    """What reaches an infant's ears, from the first time that it is asked, whatever its age hears of it."""
+
+    def __init__(self, infant: Infant):
+        self._infant, listener = infant, _hearing(infant).listener
+        self.rate_hz = round(listener.rate_hz)
+        self._index, self._blocks = listener.index, list[npt.NDArray[np.float32]]()
+
+    def hear(self) -> None:
+        """Take what has reached the ears since the last time; call this after each control step."""
+        listener = _hearing(self._infant).listener
+        count = listener.index - (self._index if listener.index >= self._index else 0)  # Else an episode began.
+        self._index = listener.index
+        if count:
+            self._blocks.append(listener.pressure_pa[:, -count:].astype(np.float32))
+
+    @property
+    def samples(self) -> npt.NDArray[np.int16]:
+        """All of it, shape (n, 2), the left ear first; the loudest sample is `LOUDEST`."""
+        pressure = np.concatenate([np.zeros((2, 0), np.float32), *self._blocks], axis=1)
+        loudest = float(np.abs(pressure).max(initial=0.0)) or 1.0
+        return np.rint(pressure.T * (LOUDEST / loudest)).astype(np.int16)
+
+    def save(self, file: Path) -> Path:
+        """Write a WAV file in stereo, and return its path."""
+        content = io.BytesIO()
+        with wave.open(content, "wb") as written:
+            written.setnchannels(2)
+            written.setsampwidth(2)
+            written.setframerate(self.rate_hz)
+            written.writeframes(self.samples.astype("<i2").tobytes())
+        return write_file(file, content.getvalue())
+
+
+def _hearing(env: Infant) -> Hearing:
+    hearing = env.senses["hearing"]
+    assert isinstance(hearing, Hearing)
+    return hearing
+
+
+SHAPE = 4 / 3  # Aspect ratio of the camera image.
+SPACE = 1.25  # Margin of the field of view around the infant, so that limbs can move without moving the camera.
+CLOSER = 0.7  # The camera moves closer when its distance would be reduced by this factor.
+FOLLOWING_S = 1.0  # Time constant of the camera's motion.
+HURRY = 0.1  # Step by which the camera's motion is sped up until the whole infant is in view.
+GAP_PX = 4  # Gap between the images of a frame.
 BACKGROUND = 255
-SHARP = 2
-"""Factor of supersampling for the views of eyes that the infant does not observe."""
+SHARP = 2  # Factor of supersampling for the views of eyes that the infant does not observe.
 
 
 class VideoFrames:
@@ -112,7 +164,6 @@ def _sharp_eyes(env: Infant, size_px: int, shown: Shown) -> Eyes:
 
 
 def _between(one: Shot, other: Shot, share: float) -> Shot:
-    """Return the linear interpolation between two shots, with the view direction of the second."""
     return Shot(
         one.position_m + share * (other.position_m - one.position_m),
         one.depth_m + share * (other.depth_m - one.depth_m),
@@ -138,17 +189,13 @@ def _cell_px(height_px: int) -> int:
 
 
 def _fitted(picture: Picture, height_px: int) -> Picture:
-    """Return an image scaled to another height: averaged if larger, by nearest neighbour if smaller."""
     width_px = max(1, round(picture.shape[1] * height_px / picture.shape[0]))
     return np.asarray(Image.fromarray(picture).resize((width_px, height_px), Image.Resampling.BOX))
 
 
-RATE_HZ = 25
-"""Default frame rate: four hundredths of a second per frame, which a GIF can represent."""
-HEIGHT_PX = 360
-"""Default height of a video."""
-Watch = Callable[[Infant, Observation], None]
-"""Called with an infant and what it observes."""
+RATE_HZ = 25  # Default frame rate: four hundredths of a second per frame, which a GIF can represent.
+HEIGHT_PX = 360  # Default height of a video.
+Watch = Callable[[Infant, Observation], None]  # Called with an infant and what it observes.
 Filming = Callable[[Mapping[str, Infant], Mapping[str, Observation]], None]
 """Called with infants and with what they observe, by name."""
 

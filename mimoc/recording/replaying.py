@@ -1,37 +1,39 @@
-"""Simulating a recording again, from its seeds and actions, to see whether every number comes out again to the bit."""
+"""Simulating recordings again: in environments that are opened from the bundles they contain."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import dataclass
 from operator import itemgetter
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError, RecordingError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.physics_state import check_physics, set_physics
+from mimoc.bundle.model import check_physics, set_physics
 from mimoc.bundle.world import WorldBundle
-from mimoc.recording import frames, tables
-from mimoc.recording.blocks import Array, Block, Reading
-from mimoc.recording.columns import OBSERVATION
-from mimoc.recording.description import Change
+from mimoc.recording import tables
+from mimoc.recording.columns import OBSERVATION, Array, Block, Reading
+from mimoc.recording.description import Change, is_same
 from mimoc.recording.folder import versions
 from mimoc.recording.observer import ACTION, NOTHING_YET, spaces_of
-from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.recording.record import Watch
-from mimoc.recording.state_text import is_same
+from mimoc.recording.video import decoded
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, SEED
-from mimoc.runtime.infant import Infant
-from mimoc.runtime.observer import NO_OBSERVER, Observer
+from mimoc.runtime.infant import NO_OBSERVER, Infant, Observer
+from mimoc.runtime.opening.environments import open_bundle
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import INFANTS, Simulation
 from mimoc.runtime.world_env import WorldEnv
 
-Number = tuple[int, str, int, float, float]
-"""Row, array, index in it, and both values of a number that differs."""
+Number = tuple[int, str, int, float, float]  # Row, array, index in it, and both values of a number that differs.
 ALLOWED_LATER = "truncated"
 """A limit of steps around the environment ends an episode, of which the infant itself knows nothing."""
 
@@ -40,12 +42,9 @@ ALLOWED_LATER = "truncated"
 class Difference:
     """The first number of an episode that is not as it was recorded."""
 
-    step: int
-    """Control steps before it."""
-    what: str
-    """The array that it is in, such as `proprioception`, `reward` or `state`."""
-    name: str
-    """Which number of it, with its unit, as far as it has a name."""
+    step: int  # Control steps before it.
+    what: str  # The array that it is in, such as `proprioception`, `reward` or `state`.
+    name: str  # Which number of it, with its unit, as far as it has a name.
     recorded: float
     now: float
 
@@ -102,18 +101,15 @@ def _label(episode: Episode, what: str, index: int) -> str:
 def _frames(episode: Episode, reading: Reading) -> Iterator[Any]:
     paths = episode.videos(reading.name)
     for path in paths:
-        yield from frames.decoded(path, reading.shape, episode.sidecar.rows)
+        yield from decoded(path, reading.shape, episode.sidecar.rows)
     raise RecordingError(f"{paths[-1]}: there are fewer pictures in it than control steps")
 
 
-ROWS = 250
-"""Rows that are compared at once."""
-_SHOWN = 300
-"""Most characters of an error about what is in a file."""
+ROWS = 250  # Rows that are compared at once.
+_SHOWN = 300  # Most characters of an error about what is in a file.
 Open = Callable[[Bundle | WorldBundle, bool], Any]
 """Opens the environment of a bundle, or the world; the flag says whether it needs scenes of other seeds, too."""
-ALONE = ""
-"""Name of an infant that is alone in its simulation."""
+ALONE = ""  # Name of an infant that is alone in its simulation.
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,10 +117,8 @@ class Replayed:
     """What came of an episode that was simulated again."""
 
     episode: Episode
-    difference: Difference | None
-    """The first number that is different now; None if all are the same."""
-    steps: int
-    """Control steps that were simulated again: of a world that was killed, those that all its infants have."""
+    difference: Difference | None  # The first number that is different now; None if all are the same.
+    steps: int  # Control steps that were simulated again: of a world that was killed, those that all its infants have.
 
     @property
     def other_versions(self) -> str:
@@ -188,7 +182,6 @@ def replay(
 
 
 def _steps_of(run: Sequence[Episode]) -> int:
-    """Return for how many control steps the actions of all infants of a run are known."""
     going_on = [episode.steps for episode in run if episode.ended not in ("terminated", "truncated")]
     return min(going_on) if going_on else max(episode.steps for episode in run)
 
@@ -221,7 +214,6 @@ class _Replay:
         self._changes.sort(key=itemgetter(0))
 
     def __call__(self) -> dict[int, Difference | None]:
-        """Return the first difference of each infant, by its number."""
         first, comparisons = self._run[0], self._compared.values()
         try:
             observations, infos = self._begin()
@@ -251,7 +243,7 @@ class _Replay:
                 self._whole.set_state(first.start)
                 return simulation.observe(), {}
             if before[SEED] != simulation.seed:
-                ages = {name: {AGE: age} for name, age in _ages_in(before).items()}
+                ages = {name: {AGE: infant[AGE]} for name, infant in before.get(INFANTS, {ALONE: before}).items()}
                 simulation.reset(options=ages, scene_seed=before[SEED])
             self._whole.set_state(_merged(self._whole.get_state(), before))
             seeds = {self._names[one.infant]: one.seed for one in self._run}
@@ -274,7 +266,6 @@ class _Replay:
                 return
 
     def _change(self, step: int) -> None:
-        """Do again what was done besides control steps before one of them."""
         while self._changes and self._changes[0][0] <= step:
             _, number, episode, change = self._changes.pop(0)
             what, value = episode.change(change)
@@ -296,10 +287,6 @@ class _Replay:
                     set_physics(infant.model, infant.data, value)
                 elif what == "action_dtype":
                     self._compared[name].act_in(value)
-
-
-def _ages_in(state: Mapping[str, Any]) -> dict[str, float]:
-    return {name: infant[AGE] for name, infant in state.get(INFANTS, {ALONE: state}).items()}
 
 
 def _merged(state: Mapping[str, Any], kept: Mapping[str, Any]) -> dict[str, Any]:
@@ -434,3 +421,84 @@ def _check_observations(env: Infant, episode: Episode) -> None:
             )
     if env.action_space.shape != np.shape(episode.described.actions):
         raise RecordingError(f"infant {episode.infant}, episode {episode.number}: it has other actuators now")
+
+
+NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+@takes("a recording, or the folder of one", ReadRecording, *PATH)
+def replay_recording(
+    recording: ReadRecording | str | Path,
+    *,
+    infant: int | str | None = None,
+    episode: int | None = None,
+    task: Any = None,
+    senses: Mapping[str, Any] = NONE,
+    companions: Mapping[str, Any] = NONE,
+    watch: Watch = lambda env, observation: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Iterator[Replayed]:
+    """Simulate a recording again, and yield for each episode the first number that did not come out again, if any.
+
+    With the same version of MuJoCo on the same type of machine, every number is the same to the bit.
+
+    Args:
+        recording: The recording, or its folder.
+        infant: Only the episodes of this one, given by its number or its name.
+        episode: Only the episode of this number of each infant.
+        task: A task of the script's own that was recorded, as for `mimoc.make`; of a world, tasks by infant.
+        senses: Likewise senses, by name.
+        companions: Likewise companions, by name.
+        watch: Called with an infant and its observation after each reset and each control step; of a world, with the
+            first of the chosen infants whose episode goes on.
+        progress: Called with the number of control steps done and their total.
+
+    Raises:
+        RecordingError: If this is no recording, it is damaged, has no such episodes, or needs such objects.
+        RenderingError: If the infant has vision, and there is no OpenGL here.
+
+    Example:
+        >>> import mimoc
+        >>> [replayed.difference for replayed in mimoc.replay_recording("recordings/reach")]
+        [None]
+    """
+    opened = recording if isinstance(recording, ReadRecording) else read_recording(recording)
+    episodes = chosen_episodes(opened, infant, episode)
+    for one in episodes:
+        given = _given(opened, one.infant, task, senses, companions)
+        for what, name in one.objects.items():
+            if what not in given:
+                raise RecordingError(f"{opened.path}: recorded with {what} of a script's own ({name}); pass it as well")
+
+    def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
+        objects: Any = deepcopy({"senses": dict(senses), "companions": dict(companions)})
+        if isinstance(bundle, WorldBundle):
+            from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
+
+            variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
+            return WorldEnv(bundle, variants=variants, tasks=deepcopy(task or {}), **objects)
+        return open_bundle(bundle, other_scenes, task=deepcopy(task), **objects)
+
+    return replay(opened, open_env, episodes=episodes, watch=watch, progress=progress)
+
+
+def _given(
+    recording: ReadRecording, infant: int, task: Any, senses: Mapping[str, Any], companions: Mapping[str, Any]
+) -> set[str]:
+    about = recording.description.infants[infant]
+    if about.world is not None:
+        task, senses, companions = (by_name.get(about.name, {}) for by_name in (task or {}, senses, companions))
+        task = task or None
+    given = {f"senses.{name}" for name in senses} | {f"companions.{name}" for name in companions}
+    return given | ({"task"} if task is not None else set())
+
+
+def chosen_episodes(recording: ReadRecording, infant: int | str | None, episode: int | None) -> Sequence[Episode]:
+    """Return the episodes of an infant, of a number, or all, or raise a RecordingError if there are none."""
+    if infant is not None:
+        infant = recording.infant_number(infant)
+    chosen = [one for one in recording if infant in (None, one.infant) and episode in (None, one.number)]
+    if not chosen:
+        which = [f"{name} {value}" for name, value in (("infant", infant), ("episode", episode)) if value is not None]
+        raise RecordingError(f"{recording.path}: there is nothing recorded{' of ' if which else ''}{', '.join(which)}")
+    return chosen

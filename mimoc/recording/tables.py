@@ -12,10 +12,9 @@ from mimoc.base.errors import MissingExtraError
 from mimoc.base.quantities import QUANTITIES
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.recording.blocks import Array, Block, Reading
-from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Described
+from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Array, Block, Described, Reading
 from mimoc.recording.folder import opened
-from mimoc.recording.movement_columns.reader import values_of
+from mimoc.recording.movement_columns import values_of
 
 try:
     import pyarrow
@@ -30,8 +29,7 @@ pq: Any = pyarrow.parquet
 STEP = "step"
 NUMBERS = ("time_s", "reward")
 FLAGS = ("terminated", "truncated")
-MEASURE = "measure."
-"""What the names of columns of quantities begin with."""
+MEASURE = "measure."  # What the names of columns of quantities begin with.
 OPTIONAL = ("info.", "term.", MEASURE)
 """What the names of columns begin with that a table may have besides: numbers or flags."""
 NAMES = pa.dictionary(pa.int32(), pa.string())
@@ -39,8 +37,7 @@ NAMES = pa.dictionary(pa.int32(), pa.string())
 BETWEEN = "\t"
 MOST_NAMES = 100_000
 """Characters of the names of one row: fifty parts of a body that touch twenty things each have 20,000."""
-_SHOWN = 60
-"""Most characters of a name or type in an error."""
+_SHOWN = 60  # Most characters of a name or type in an error.
 
 
 def check_schema(schema: Any, described: Described) -> None:
@@ -138,16 +135,11 @@ def _shown(text: object) -> str:
     return f"{str(text)[:_SHOWN]!r}"
 
 
-SMALL_BYTES, MOST_RATIO = 2**29, 100
-"""What a file may hold however small it is, and how many times its size."""
-MOST_DENSE_RATIO = 2**10
-"""The same of arrays with all the zeros that a sparse column leaves out."""
-MOST_BYTES = 2**40
-"""Of a file."""
-LEVEL = -4
-"""Of zstd: a third faster than 1, for files that are a tenth larger."""
-SPLIT = ("float", "double")
-"""Types whose bytes are compressed apart: floats of one quantity share signs and exponents."""
+SMALL_BYTES, MOST_RATIO = 2**29, 100  # What a file may hold however small it is, and how many times its size.
+MOST_DENSE_RATIO = 2**10  # The same of arrays with all the zeros that a sparse column leaves out.
+MOST_BYTES = 2**40  # Of a file.
+LEVEL = -4  # Of zstd: a third faster than 1, for files that are a tenth larger.
+SPLIT = ("float", "double")  # Types whose bytes are compressed apart: floats of one quantity share signs and exponents.
 
 
 def write_block(path: Path, block: Block, described: Described) -> None:
@@ -281,7 +273,6 @@ def _aligned(table: Any, schema: Any) -> Any:
 
 
 def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the path of each column in a file of Parquet, with its type."""
     if pa.types.is_struct(kind):
         for field in kind:
             yield from _leaves(f"{path}.{field.name}", field.type)

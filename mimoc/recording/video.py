@@ -1,10 +1,11 @@
 """Video files: MP4 by PyAV, GIF by Pillow; and FFV1 in Matroska by PyAV, without loss."""
 
 import io
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,38 +13,32 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from mimoc.base.errors import MissingExtraError, OutputError
+from mimoc.base.errors import MissingExtraError, OutputError, RecordingError
 from mimoc.bundle import files
+from mimoc.bundle.regular_files import UnusableFileError, is_regular_file
+from mimoc.recording.folder import opened
 
-Picture = npt.NDArray[np.uint8]
-"""Shape (height, width, 3)."""
+Picture = npt.NDArray[np.uint8]  # Shape (height, width, 3).
 
-Sound = npt.NDArray[np.int16]
-"""Samples of the left and the right ear, shape (n, 2)."""
+Sound = npt.NDArray[np.int16]  # Samples of the left and the right ear, shape (n, 2).
 
 SOUND_CODEC, SOUND_RATES_HZ = (
     "aac",
     (8000, 11_025, 12_000, 16_000, 22_050, 24_000, 32_000, 44_100, 48_000, 64_000, 96_000),
 )
-CODECS = ("libx264", "mpeg4")
-"""Codecs for MP4 in order of preference; not every build of FFmpeg has the first."""
-QUALITY = {"crf": "20"}
-"""Constant quality of H.264, with hardly visible losses."""
+CODECS = ("libx264", "mpeg4")  # Codecs for MP4 in order of preference; not every build of FFmpeg has the first.
+QUALITY = {"crf": "20"}  # Constant quality of H.264, with hardly visible losses.
 SMALL = {"crf": "26", "preset": "veryfast", "bf": "0"}
 """Settings of H.264 for what eyes saw: small, and pictures stand in the order in which they are shown."""
-CONTAINER, LOSSLESS = "matroska", "ffv1"
-"""Names of container and codec of the pictures of a recording."""
-LEAST_PX = 4
-"""Of each side of a picture that FFV1 can cut into slices, as it does by itself."""
+CONTAINER, LOSSLESS = "matroska", "ffv1"  # Names of container and codec of the pictures of a recording.
+LEAST_PX = 4  # Of each side of a picture that FFV1 can cut into slices, as it does by itself.
 SETTINGS = {"level": "3", "coder": "1", "context": "1", "g": "50"}
 """Of FFV1: range coder, large context, and what it has learned of the pictures is kept for that many of them, which are
 decoded to reach the last one. The eyes of an infant that moves take 6.6 % of the raw size, where pictures coded one by
 one take 8.2 %, PNG 10 % and the columns of a table, compressed by zstd, 11 to 14 %."""
-GIF_TICKS_HZ = 100
-"""A GIF measures time in hundredths of a second."""
+GIF_TICKS_HZ = 100  # A GIF measures time in hundredths of a second.
 GIF_COLOURS = 256
-GIF_SAMPLES = 16
-"""Number of frames that the colours of a GIF are chosen from."""
+GIF_SAMPLES = 16  # Number of frames that the colours of a GIF are chosen from.
 MAX_GIF_FRAMES = 3000
 """A GIF is assembled in memory, at about 50 kB per frame, and browsers do not handle longer ones well."""
 
@@ -178,8 +173,7 @@ class Gif(Video):
         first.save(self._temporary, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
 
 
-FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}
-"""Formats by file extension."""
+FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}  # Formats by file extension.
 
 
 def check_video(file: str | Path) -> Path:
@@ -212,3 +206,61 @@ def require_av() -> Any:
     except ImportError:
         raise MissingExtraError("av", "record") from None
     return av
+
+
+PICTURES_SUFFIX = ".mkv"
+SMALL_BYTES, MOST_RATIO = 2**28, 1000
+"""What pictures may take however small their file is, and how many times its size."""
+MOST_BYTES = 2**29  # Of a video, besides twice its pictures.
+
+
+def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
+    """Write pictures, shape (n, height, width, 3), as a video without loss, or raise an OutputError."""
+    try:
+        video = Lossless(path, rate_hz)
+        for picture in pictures:
+            video.add(picture)
+    except OSError as error:
+        raise files.write_error(path, error) from None
+    video.save()
+
+
+def read_pictures(paths: Sequence[Path], count: int, shape: Sequence[int]) -> Picture:
+    """Return the pictures in the videos of an episode's parts, shape (count, height, width, 3)."""
+    pictures = list[Picture]()
+    for path in paths:
+        wanted = count - len(pictures)
+        raw_bytes = math.prod(shape) * wanted if is_regular_file(path) else 0
+        if raw_bytes > SMALL_BYTES and raw_bytes > MOST_RATIO * path.stat().st_size:
+            raise RecordingError(f"{path}: the file is damaged: it cannot hold {wanted} such pictures")
+        pictures += decoded(path, shape, wanted)
+    if len(pictures) < count:
+        raise RecordingError(
+            f"{paths[-1]}: there are {len(pictures)} pictures up to its end, where {count} were recorded"
+        )
+    return np.stack(pictures)
+
+
+def decoded(path: Path, shape: Sequence[int], most: int) -> Iterator[Picture]:
+    """Yield the pictures of a video, at most so many, one after the other, each of *shape* (height, width, 3).
+
+    The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open. A file
+    that is far too large for so many pictures is not searched for them.
+    """
+    av, most_bytes = require_av(), MOST_BYTES + 2 * math.prod(shape) * most
+    # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.
+    damage = av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError
+    with opened(path, most_bytes, *damage) as file, av.open(file, format=CONTAINER) as container:
+        stream = container.streams.video[0]
+        if stream.codec_context.name != LOSSLESS:
+            raise UnusableFileError(f"its pictures are not encoded by {LOSSLESS}")
+        _check_size(stream, shape)
+        for frame in islice(container.decode(stream), most):
+            _check_size(frame, shape)
+            yield frame.to_ndarray(format="rgb24")
+
+
+def _check_size(pictures: Any, shape: Sequence[int]) -> None:
+    """Check that a frame, or all of a stream, are of some shape, before anything of this size is made."""
+    if (pictures.height, pictures.width, 3) != tuple(shape):
+        raise UnusableFileError(f"its pictures are of another size than {shape[1]} x {shape[0]} pixels")

@@ -1,24 +1,26 @@
 """What an environment shows of itself: pictures, or a window."""
 
+import atexit
+import threading
+import time
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 
-from mimoc.base.errors import check_name
+from mimoc.base.errors import RenderingError, check_name
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.world import WorldManifest
 from mimoc.render.opengl import has_screen
 from mimoc.render.renderer import Picture
 
-if TYPE_CHECKING:  # They load SciPy and GLFW, which most environments do without.
+if TYPE_CHECKING:  # It loads SciPy, which most environments do without.
     from mimoc.render.body_camera import BodyCamera
-    from mimoc.render.window import Window
 
 MODES = ("human", "rgb_array")
-LARGEST_PX = 16384
-"""Largest width and height of a picture: OpenGL draws none that is larger."""
+LARGEST_PX = 16384  # Largest width and height of a picture: OpenGL draws none that is larger.
 
 
 def available_modes() -> list[str]:
@@ -108,6 +110,57 @@ class EnvRenderer:
         if self._window is not None:
             self._window.close()
         if self._mode == "human":
-            from mimoc.render.window import Window
-
             self._window = Window(model, data, self._root_bodies[0])
+
+
+DISTANCE_M = 1.4  # From where an infant of any age is seen as a whole.
+PATIENCE_S = 5.0  # How long the viewer may take to close.
+
+
+class Window:
+    """The viewer of one environment; it runs no faster than real time, so that one sees what happens."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, root_body: str):
+        """Open the window, looking at a body; raise a RenderingError if there is no screen."""
+        import glfw
+        import mujoco.viewer
+
+        from mimoc.render.camera import FROM_THE_SIDE
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # GLFW warns, and says no.
+            if not glfw.init():
+                raise RenderingError(
+                    "no window can be shown, because there is no screen here; use render_mode='rgb_array' for pictures"
+                )
+        self._data = data
+        others = set(threading.enumerate())
+        self._viewer = mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
+        self._threads = set(threading.enumerate()) - others
+        atexit.register(self.close)
+        self._start_s = self._ahead_s()
+        with self._viewer.lock():
+            self._viewer.cam.lookat[:] = data.body(root_body).xpos
+            self._viewer.cam.azimuth, self._viewer.cam.elevation = FROM_THE_SIDE
+            self._viewer.cam.distance = DISTANCE_M
+
+    def show(self) -> None:
+        """Show the simulation as it is now, when its time has come; nothing, if the user has closed the window."""
+        if not self._viewer.is_running():
+            return
+        early_s = self._ahead_s() - self._start_s
+        if early_s < 0:  # The simulation is slower than real time, or was reset: count from now on.
+            self._start_s += early_s
+        time.sleep(max(early_s, 0.0))
+        self._viewer.sync()
+
+    def close(self) -> None:
+        """Close the window; closing twice is fine. If Python ended while the viewer still did, it would crash."""
+        atexit.unregister(self.close)
+        self._viewer.close()
+        for thread in self._threads:
+            thread.join(PATIENCE_S)
+
+    def _ahead_s(self) -> float:
+        """Return how far the simulation's clock is ahead of the wall's, but for a constant."""
+        return self._data.time - time.monotonic()

@@ -26,8 +26,7 @@ FORMATS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     ".tiff": _TIFF,
 }
 """Pillow's name of the format, and how it is to be written, by the end of a file's name."""
-OPAQUE = {".jpg", ".jpeg", ".bmp"}
-"""Formats that have no transparent background."""
+OPAQUE = {".jpg", ".jpeg", ".bmp"}  # Formats that have no transparent background.
 
 
 def check_picture_name(path: str | Path, *, transparent: bool = False) -> None:
@@ -60,10 +59,8 @@ def encoded(picture: npt.NDArray[Any], suffix: str) -> bytes:
 
 BACKGROUND, TEXT = (255, 255, 255), (40, 40, 40)
 GAP_PX = 6
-FONT_HEIGHT = 0.07
-"""Height of the letters, as a share of a picture's."""
-FONT_PX = 11, 24
-"""The least that can be read, and the most that is ever needed."""
+FONT_HEIGHT = 0.07  # Height of the letters, as a share of a picture's.
+FONT_PX = 11, 24  # The least that can be read, and the most that is ever needed.
 
 
 def tile_pictures(
@@ -113,14 +110,10 @@ def _label(text: str, width: int, height: int, font_px: int) -> Image.Image:
     return label
 
 
-LENGTHS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-"""Of bars: the longest that fits, or the shortest."""
-SHARE = 0.3
-"""Of the width of a picture that a bar takes at most."""
-COLOUR, RIM = (20, 20, 20, 255), (255, 255, 255, 255)
-"""Dark with a light rim, which shows on any background."""
-LETTERS = 0.04
-"""Height of the letters, as a share of the picture's."""
+LENGTHS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Of bars: the longest that fits, or the shortest.
+SHARE = 0.3  # Of the width of a picture that a bar takes at most.
+COLOUR, RIM = (20, 20, 20, 255), (255, 255, 255, 255)  # Dark with a light rim, which shows on any background.
+LETTERS = 0.04  # Height of the letters, as a share of the picture's.
 LETTERS_PX = 9, 60
 
 

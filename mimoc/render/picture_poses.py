@@ -14,7 +14,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import begin, bounded, in_subtrees, load_model, pose_of
 from mimoc.bundle.world import WorldBundle, load_world_model, take_pose
-from mimoc.render.framing import lowest_m
+from mimoc.render.camera import lowest_m
 
 SIDES = ("right", "left")
 LEFT = (0.0, 1.0, 0.0)
@@ -24,13 +24,11 @@ LEFT = (0.0, 1.0, 0.0)
 class PicturePose:
     """A pose for pictures."""
 
-    base: str
-    """The start pose whose angles it has where it has no others."""
+    base: str  # The start pose whose angles it has where it has no others.
     angles_deg: Mapping[str, float]
     """Of joints; `{side}` stands for both sides. Joints end at their limits, and those that are not there are left
     out."""
-    pitch_deg: float | None = None
-    """Of the hip about its left, from upright; None is that of the base."""
+    pitch_deg: float | None = None  # Of the hip about its left, from upright; None is that of the base.
     on_hands: bool = False
     """Whether its arms touch the floor: the pitch is the one near `pitch_deg` at which they and the rest both do."""
 
@@ -67,8 +65,7 @@ PICTURE_POSES: Mapping[str, PicturePose] = {
     "kicking": PicturePose("supine", KICKING),
 }
 """On hands and knees; sitting, busy with its hands; on its forearms, with its head up; on its back, kicking (D)."""
-TURNS_DEG = 45.0
-"""How far the pitch may be from the one that is written."""
+TURNS_DEG = 45.0  # How far the pitch may be from the one that is written.
 PRECISION_RAD = 1e-6
 
 

@@ -1,29 +1,45 @@
 """Pictures of infants: one in a pose, one among its toys, or several in a row."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from typing import Literal
 
 import mujoco
+import numpy as np
 
-from mimoc.base.errors import RenderingError
+from mimoc.base.errors import MimocError, RenderingError, check_name
+from mimoc.base.geometry.rotations import FloatArray, matrix_from_axis
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import load_model, load_posed
+from mimoc.bundle.model import in_subtrees, load_model, load_posed
 from mimoc.bundle.world import WorldBundle
-from mimoc.render.body_camera import BodyCamera, company, view_of_scene
-from mimoc.render.camera import FOVY_DEG, FROM_ABOVE, FROM_THE_FRONT, FROM_THE_SIDE, MARGIN, View, view_of_body
-from mimoc.render.framing import FILLED, FILLED_BY_HEAD, portrait_view, view_of_head
-from mimoc.render.markers import Markers, join_markers
-from mimoc.render.picture_files import with_scale_bar
-from mimoc.render.picture_poses import load_world_in_pose, state_in_pose
+from mimoc.render.body_camera import BodyCamera, Markers, company, join_markers, view_of_scene
+from mimoc.render.camera import (
+    FILLED,
+    FILLED_BY_HEAD,
+    FOVY_DEG,
+    FROM_ABOVE,
+    FROM_THE_FRONT,
+    FROM_THE_SIDE,
+    MARGIN,
+    View,
+    portrait_view,
+    view_of_body,
+    view_of_head,
+)
+from mimoc.render.picture_files import tile_pictures, with_scale_bar
+from mimoc.render.picture_poses import (
+    load_in_pose,
+    load_world_in_pose,
+    pose_in_picture,
+    poses_in_pictures,
+    state_in_pose,
+)
 from mimoc.render.renderer import Picture, Shown
-from mimoc.render.row import row_of
-from mimoc.render.soft_light import ROW, STILL
+from mimoc.render.soft_light import ROW, STILL, Exposure
 
-ROW_FOVY_DEG = 10.0
-"""For infants in a row: from so far away that those at the ends do not turn their faces."""
+ROW_FOVY_DEG = 10.0  # For infants in a row: from so far away that those at the ends do not turn their faces.
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,16 +49,12 @@ class Framing:
     azimuth_deg: float | None = None
     """Around an infant, or a row: 0 is from its front, 90 from its left; one that lies on its back is seen from beyond
     its feet at 0, one on its belly from beyond its head."""
-    elevation_deg: float | None = None
-    """Above the horizontal; 90 is from straight above."""
-    distance_m: float | None = None
-    """From the middle of what is shown; without one, all of it fills the picture."""
-    transparent: bool = False
-    """Whether only the infants are drawn, without a background or shadows."""
+    elevation_deg: float | None = None  # Above the horizontal; 90 is from straight above.
+    distance_m: float | None = None  # From the middle of what is shown; without one, all of it fills the picture.
+    transparent: bool = False  # Whether only the infants are drawn, without a background or shadows.
     scale_bar: bool = False
     """Whether a bar says how long something is that is as far away as the middle of the infants."""
-    crop: Literal["head"] | None = None
-    """Whether the head alone fills the picture."""
+    crop: Literal["head"] | None = None  # Whether the head alone fills the picture.
 
     def view(self, usual: View, front_deg: float) -> View:
         """Return the direction to look in, given the one that suits the pose and that of looking at the front."""
@@ -81,16 +93,13 @@ def portraits(
 ) -> Iterator[Picture]:
     """Yield pictures of an infant in several poses, in less time than one after another takes; see `portrait`."""
     model, manifest = load_model(bundle), bundle.manifest
+    root, head = manifest.root_body, manifest.anatomy.head
     states = [state_in_pose(bundle, model, pose) for pose in poses]
-    beside = () if framing.crop else company(manifest, [manifest.root_body], states[0])
+    beside = () if framing.crop else company(manifest, [root], states[0])
     margin = MARGIN if beside else 1 / (FILLED_BY_HEAD if framing.crop else FILLED)
-    camera = BodyCamera(
-        *(model, [manifest.root_body], width, height),
-        exposure=STILL, margin=margin, shown=shown, cut_out=framing.transparent, beside=beside, as_it_is=True,
-    )  # fmt: skip
-    with closing(camera):
+    style = _Style((width, height), shown, framing)
+    with closing(style.open(model, [root], margin=margin, beside=beside)) as camera:
         for data in states:
-            root, head = manifest.root_body, manifest.anatomy.head
             subject = _subject(manifest, framing)
             front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
             if framing.crop:
@@ -100,7 +109,60 @@ def portraits(
             else:
                 usual = portrait_view(data, root, head)
             camera.view = framing.view(usual, front_deg)
-            yield _picture(camera, data, [_subject(manifest, framing)], FOVY_DEG, markers, framing, is_tight=not beside)
+            yield style.draw(camera, data, [subject], markers, is_tight=not beside)
+
+
+@dataclass(frozen=True, slots=True)
+class _Style:
+    """How the pictures of infants that stand still are drawn."""
+
+    size_px: tuple[int, int]
+    shown: Shown
+    framing: Framing
+    fovy_deg: float = FOVY_DEG
+    exposure: Exposure = STILL
+
+    def open(
+        self,
+        model: mujoco.MjModel,
+        roots: Sequence[str],
+        view: View = FROM_THE_SIDE,
+        *,
+        margin: float = MARGIN,
+        beside: Sequence[str] = (),
+    ) -> BodyCamera:
+        """Open the camera for pictures of some bodies; see `BodyCamera`."""
+        return BodyCamera(
+            model,
+            roots,
+            *self.size_px,
+            view,
+            fovy_deg=self.fovy_deg,
+            exposure=self.exposure,
+            margin=margin,
+            shown=self.shown,
+            cut_out=self.framing.transparent,
+            beside=beside,
+            as_it_is=True,
+        )
+
+    def draw(
+        self,
+        camera: BodyCamera,
+        data: mujoco.MjData,
+        bodies: Sequence[str],
+        markers: Markers | None,
+        *,
+        is_tight: bool = False,
+    ) -> Picture:
+        """Return a picture of bodies; tight ones leave out what only might be drawn."""
+        if len(bodies) == 1 and self.framing.azimuth_deg is None:
+            camera.turn(data)
+        shot = camera.shot(data, camera.drawn(data, bodies) if is_tight else None)
+        if self.framing.distance_m is not None:
+            shot = shot.from_distance(self.framing.distance_m, self.fovy_deg)
+        picture = camera.render(data, markers, shot)
+        return with_scale_bar(picture, shot.px_per_m(len(picture))) if self.framing.scale_bar else picture
 
 
 def _subject(manifest: Manifest, framing: Framing) -> str:
@@ -131,12 +193,9 @@ def world_portrait(
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, roots[0])
     view = framing.view(view_of_scene(FROM_THE_SIDE, bundle.manifest, roots, data), front_deg)
     beside = company(bundle.manifest, roots, data)
-    camera = BodyCamera(
-        *(model, roots, width, height, view),
-        exposure=STILL, shown=shown, cut_out=framing.transparent, beside=beside, as_it_is=True,
-    )  # fmt: skip
-    with closing(camera):
-        return _picture(camera, data, roots, FOVY_DEG, markers, framing)
+    style = _Style((width, height), shown, framing)
+    with closing(style.open(model, roots, view, beside=beside)) as camera:
+        return style.draw(camera, data, roots, markers)
 
 
 def lineup(
@@ -160,32 +219,9 @@ def lineup(
     azimuth, _ = FROM_THE_FRONT
     steepest = min(view_of_body(FROM_THE_FRONT, data, root)[1] for root in roots)
     view = framing.view((azimuth, steepest), azimuth)
-    camera = BodyCamera(
-        *(model, roots, width, height, view),
-        fovy_deg=ROW_FOVY_DEG, exposure=ROW, shown=shown, cut_out=framing.transparent, as_it_is=True,
-    )  # fmt: skip
-    with closing(camera):
-        return _picture(camera, data, roots, ROW_FOVY_DEG, drawn, framing)
-
-
-def _picture(
-    camera: BodyCamera,
-    data: mujoco.MjData,
-    bodies: Sequence[str],
-    fovy_deg: float,
-    markers: Markers | None,
-    framing: Framing,
-    *,
-    is_tight: bool = False,
-) -> Picture:
-    """Return a picture of bodies, with a vertical field of view; tight ones leave out what only might be drawn."""
-    if len(bodies) == 1 and framing.azimuth_deg is None:
-        camera.turn(data)
-    shot = camera.shot(data, camera.drawn(data, bodies) if is_tight else None)
-    if framing.distance_m is not None:
-        shot = shot.from_distance(framing.distance_m, fovy_deg)
-    picture = camera.render(data, markers, shot)
-    return with_scale_bar(picture, shot.px_per_m(len(picture))) if framing.scale_bar else picture
+    style = _Style((width, height), shown, framing, ROW_FOVY_DEG, ROW)
+    with closing(style.open(model, roots, view)) as camera:
+        return style.draw(camera, data, roots, drawn)
 
 
 def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
@@ -202,3 +238,197 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     with closing(BodyCamera(model, shown, width, height, view, exposure=STILL, beside=beside, as_it_is=True)) as camera:
         camera.turn(data)
         return camera.render(data)
+
+
+GAP_M = 0.06  # Between one infant and the next.
+UP = (0.0, 0.0, 1.0)
+NAME_BYTES = 40  # For the name of a body in MuJoCo's file of a skin.
+FLOOR = """
+<mujoco model="row">
+  <statistic center="0 0 0.3" extent="1"/>
+  <visual>
+    <quality numslices="48" numstacks="32"/>
+    <map znear="0.005" zfar="60"/>
+  </visual>
+  <asset>
+    <texture name="sky" type="skybox" builtin="flat" width="32" height="192"/>
+    <texture name="mat" type="2d" builtin="checker" width="64" height="64" rgb1="0.93 0.91 0.86" rgb2="0.87 0.86 0.82"/>
+    <material name="mat" texture="mat" texrepeat="4 4" texuniform="true" specular="0.1" shininess="0.1"/>
+  </asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="30 30 1" material="mat"/>
+  </worldbody>
+</mujoco>
+"""
+"""What is around a row: the floor of `scene: {kind: flat}`, as in `templates/scene.xml.j2`, and a sky.
+
+Their light and colours are those of pictures (`soft_light.py`, `backdrop.py`). Rooms and cribs are too small for a row,
+and their toys would be in its way.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A turn about the vertical, and then a shift."""
+
+    turn_rad: float
+    shift_m: FloatArray  # Shape (3,).
+
+    def points_m(self, scene_m: FloatArray) -> FloatArray:
+        """Return points, shape (..., 3), where they are afterwards."""
+        return scene_m @ matrix_from_axis(UP, self.turn_rad).T + self.shift_m
+
+    def quaternion(self, scene_quat: FloatArray) -> FloatArray:
+        """Return an orientation, shape (4,), as it is afterwards."""
+        turn, turned = np.empty(4), np.empty(4)
+        mujoco.mju_axisAngle2Quat(turn, UP, self.turn_rad)
+        mujoco.mju_mulQuat(turned, turn, scene_quat)
+        return turned
+
+
+def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
+    """Return infants side by side along y on a floor, all facing +x; UnknownNameError if a bundle has no such pose.
+
+    These are a model of all and its state; the names of their root bodies, from the left; and what takes each infant,
+    and what belongs to it, from its own scene to its place.
+    """
+    posed = [load_in_pose(bundle, pose) for bundle in bundles]
+    model, prefixes = _model_of(bundles)
+    data = mujoco.MjData(model)
+    moves, end_m = [], 0.0
+    for bundle, alone, prefix in zip(bundles, posed, prefixes, strict=True):
+        move, width_m = _to_place(*alone, bundle.manifest.root_body, end_m)
+        _take_pose(data, prefix, alone, move)
+        moves.append(move)
+        end_m += width_m + GAP_M
+    mujoco.mj_forward(model, data)
+    roots = [prefix + bundle.manifest.root_body for prefix, bundle in zip(prefixes, bundles, strict=True)]
+    return model, data, roots, moves
+
+
+def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, float]:
+    """Return what takes an infant from where its scene has it to where its least y is *left_m*, and its width."""
+    front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
+    turn = Move(float(np.radians(FROM_THE_FRONT[0] - front_deg)), np.zeros(3))
+    geoms = in_subtrees(model, [model.body(root).id])[model.geom_bodyid]
+    across = matrix_from_axis(UP, turn.turn_rad)[1] @ data.geom_xmat[geoms].reshape(-1, 3, 3)
+    middles_m, halves_m = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
+    y_m = turn.points_m(data.geom_xpos[geoms])[:, 1] + (across * middles_m).sum(axis=1)
+    reach_m = (np.abs(across) * halves_m).sum(axis=1)
+    low_m, high_m = float((y_m - reach_m).min()), float((y_m + reach_m).max())
+    x_m, _, _ = turn.points_m(data.body(root).xpos)
+    return Move(turn.turn_rad, np.array([-x_m, left_m - low_m, 0.0])), high_m - low_m
+
+
+def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mujoco.MjData], move: Move) -> None:
+    """Give an infant in a row the pose that it has alone; the toys of its scene are not there."""
+    alone, state = posed
+    for number in range(alone.njnt):
+        joint = alone.joint(number)
+        if mujoco.mj_name2id(data.model, mujoco.mjtObj.mjOBJ_JOINT, prefix + joint.name) < 0:
+            continue
+        qpos = state.joint(number).qpos.copy()
+        if joint.type == mujoco.mjtJoint.mjJNT_FREE:
+            qpos = np.concatenate([move.points_m(qpos[:3]), move.quaternion(qpos[3:])])
+        data.joint(prefix + joint.name).qpos[:] = qpos
+
+
+def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
+    prefixes = [f"{number}: " for number in range(len(bundles))]
+    files: dict[str, bytes] = {}
+    for bundle, prefix in zip(bundles, prefixes, strict=True):
+        files |= {prefix + name: picture for name, picture in _files(bundle, ".png").items()}
+        files |= {prefix + name: _renamed(skin, prefix) for name, skin in _files(bundle, ".skn").items()}
+    row = mujoco.MjSpec.from_string(FLOOR, assets=files)
+    for bundle, prefix in zip(bundles, prefixes, strict=True):
+        infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=_files(bundle, ".png"))
+        scene = mujoco.MjSpec.from_string(bundle.files[bundle.manifest.scene].decode(), include=dict(bundle.files))
+        for texture in infant.textures:
+            texture.file = prefix + texture.file  # Infants of other looks have other pictures by the same names.
+        for geom in infant.geoms:
+            geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
+        infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
+        row.attach(infant, frame=row.worldbody.add_frame(), prefix=prefix)
+        for skin in scene.skins:
+            name, file, material = (prefix + text for text in (skin.name, skin.file, skin.material))
+            row.add_skin(name=name, file=file, material=material, group=skin.group)
+    return row.compile(), prefixes
+
+
+def _files(bundle: Bundle, ending: str) -> dict[str, bytes]:
+    return {name: file for name, file in bundle.files.items() if name.endswith(ending)}
+
+
+def _renamed(skin: bytes, prefix: str) -> bytes:
+    """Return a file of a skin of bodies whose names begin with *prefix*; not every MuJoCo does this itself (3.5).
+
+    The file has four counts, of vertices, texture coordinates, triangles and bodies, these vertices, coordinates and
+    triangles, and then for each body its name, seven numbers of its pose, a count, and as many vertices and weights.
+    """
+    vertices, texcoords, triangles, bodies = np.frombuffer(skin, "<i4", 4).tolist()
+    start = 4 * (4 + 3 * vertices + 2 * texcoords + 3 * triangles)
+    parts = [skin[:start]]
+    for _ in range(bodies):
+        counted = start + NAME_BYTES + 4 * 7
+        (moved,) = np.frombuffer(skin, "<i4", 1, counted).tolist()
+        end = counted + 4 * (1 + 2 * moved)
+        name = prefix.encode() + skin[start : start + NAME_BYTES].rstrip(b"\0")
+        parts += [name.ljust(NAME_BYTES, b"\0"), skin[start + NAME_BYTES : end]]
+        start = end
+    return b"".join(parts)
+
+
+ALL = "all"
+LARGEST = 400  # How many pictures a sheet may have.
+
+
+def read_poses(text: str, manifest: Manifest) -> list[str]:
+    """Return the poses that a list such as `supine,crawling`, or `all`, names, or raise an UnknownNameError."""
+    if text.strip() == ALL:
+        return list(poses_in_pictures(manifest))
+    names = [name.strip() for name in text.split(",")]
+    if "" in names:
+        check_name("pose", "", (*poses_in_pictures(manifest), ALL))
+    return [pose_in_picture(manifest, name) for name in names]
+
+
+def check_count(ages: int, poses: int) -> None:
+    """Raise a MimocError if a sheet would have too many pictures."""
+    if ages * poses > LARGEST:
+        raise MimocError(f"{ages} ages in {poses} poses are {ages * poses} pictures; ask for at most {LARGEST}")
+
+
+def age_label(age_months: float) -> str:
+    """Return a caption for an age.
+
+    >>> age_label(1), age_label(2.5)
+    ('1 month', '2.5 months')
+    """
+    return f"{age_months:g} month" + ("" if age_months == 1 else "s")
+
+
+def contact_sheet(
+    infants: Iterable[Bundle],
+    poses: Sequence[str],
+    size_px: tuple[int, int],
+    shown: Shown = "skin",
+    framing: Framing | None = None,
+    progress: Callable[[int], None] = lambda done: None,
+) -> Picture:
+    """Return a picture of infants in poses, shape (height, width, 3): a row for each age, a column for each pose.
+
+    In one pose, all ages are in one row. Infants may be built as they are drawn; poses are start poses or for pictures.
+    Raises an UnknownNameError for an unknown pose, a RenderingError without OpenGL.
+    """
+    rows: list[list[Picture]] = []
+    labels: list[str] = []
+    for infant in infants:
+        row: list[Picture] = []
+        for picture in portraits(infant, poses, *size_px, None, shown, framing or Framing()):
+            row.append(picture)
+            progress(len(rows) * len(poses) + len(row))
+        rows.append(row)
+        labels.append(age_label(infant.manifest.child.age_months))
+    if len(poses) == 1:
+        return tile_pictures([[picture for row in rows for picture in row]], columns=labels)
+    return tile_pictures(rows, columns=poses, rows=labels)

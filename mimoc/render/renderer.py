@@ -36,14 +36,12 @@ def visual_settings(settings: Iterable[Setting]) -> Iterator[None]:
             setattr(part, name, value)
 
 
-Picture = npt.NDArray[np.uint8]
-"""Red, green and blue, shape (height, width, 3)."""
+Picture = npt.NDArray[np.uint8]  # Red, green and blue, shape (height, width, 3).
 
 Shown = Literal["skin", "solids"]
 """What is drawn of an infant: its skin, where it has one, or the solids that touch and are touched."""
 
-SPARE_GEOMS = 100
-"""Room in a scene for what is drawn besides the model's geoms and sites."""
+SPARE_GEOMS = 100  # Room in a scene for what is drawn besides the model's geoms and sites.
 
 
 class Renderer:

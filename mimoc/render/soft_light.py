@@ -21,18 +21,14 @@ from mimoc.base.geometry.rotations import FloatArray, direction
 from mimoc.render.camera import Shot
 from mimoc.render.renderer import Picture
 
-Colour = tuple[float, float, float]
-"""Red, green and blue, 0 to 1."""
-GOLDEN_RAD = float(np.pi * (3 - np.sqrt(5)))
-"""Angle between one point of a Fibonacci disc and the next."""
-FROM_ABOVE_DEG = -42.0
-"""Elevation of a view below which it is one from above."""
+Colour = tuple[float, float, float]  # Red, green and blue, 0 to 1.
+GOLDEN_RAD = float(np.pi * (3 - np.sqrt(5)))  # Angle between one point of a Fibonacci disc and the next.
+FROM_ABOVE_DEG = -42.0  # Elevation of a view below which it is one from above.
 DIRECTIONAL = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
 FULL_DISC = 12
 """How many points fill the sun's disc; fewer are on a part of it, as near to each other, which shows no steps."""
 STRENGTHS = ("diffuse", "ambient", "specular")
-ACROSS = (0.6, 0.8, 0.0)
-"""A direction that no light shines along."""
+ACROSS = (0.6, 0.8, 0.0)  # A direction that no light shines along.
 BLACK: Colour = (0.0, 0.0, 0.0)
 
 
@@ -41,28 +37,22 @@ class Exposure:
     """How many drawings a picture is the mean of."""
 
     passes: int
-    suns: int = 1
-    """Points of the sun's disc that shine in each of them; a lamp in a room has one."""
-    shadows_px: int = 768
-    """Side of the map of the sun's shadows, whose cells the passes blur."""
+    suns: int = 1  # Points of the sun's disc that shine in each of them; a lamp in a room has one.
+    shadows_px: int = 768  # Side of the map of the sun's shadows, whose cells the passes blur.
 
 
 STILL, MOVING, ONCE = Exposure(4, 3), Exposure(4, 1, 256), Exposure(1)
 """For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
-ROW = Exposure(4, 2)
-"""For several infants, which have more triangles."""
+ROW = Exposure(4, 2)  # For several infants, which have more triangles.
 
 
 @dataclass(frozen=True, slots=True)
 class Beam:
     """Light from one direction, without an end."""
 
-    azimuth_deg: float
-    """That it shines in, less that of the camera: 0 is from behind the camera, 90 from its right."""
-    elevation_deg: float
-    """That it shines in; below 0 is downwards."""
-    colour: Colour
-    """On what faces it."""
+    azimuth_deg: float  # That it shines in, less that of the camera: 0 is from behind the camera, 90 from its right.
+    elevation_deg: float  # That it shines in; below 0 is downwards.
+    colour: Colour  # On what faces it.
 
     def towards(self, azimuth_deg: float) -> FloatArray:
         """Return the unit vector that it shines along, shape (3,), in the world, of a camera at an azimuth."""
@@ -74,14 +64,10 @@ class Beam:
 class Daylight:
     """The light of a picture of an infant that is in no room."""
 
-    sun: Beam
-    """The only one that casts shadows."""
-    sun_radius_deg: float
-    """Of its disc, as seen from the infant: as large as a window."""
-    fills: tuple[Beam, ...]
-    """Sky and floor, without shadows."""
-    ambient: Colour
-    """On everything."""
+    sun: Beam  # The only one that casts shadows.
+    sun_radius_deg: float  # Of its disc, as seen from the infant: as large as a window.
+    fills: tuple[Beam, ...]  # Sky and floor, without shadows.
+    ambient: Colour  # On everything.
     turned_deg: float
     """How far the sun is farther to the right in views from above, in which it would shine from under a chin."""
 
@@ -100,12 +86,9 @@ DAYLIGHT = Daylight(
 """A sun at the upper right of the camera, the sky above, light from beside the camera, and warm light that the floor
 reflects (D)."""
 
-GLOSS: Colour = (0.08, 0.08, 0.08)
-"""Of the sun on what is shiny (D)."""
-LAMP_RADIUS = 0.08
-"""Radius of a lamp in a room, as a share of its distance from the infant (D)."""
-SUN_DISTANCE_M = 4.0
-"""From the middle of what is shown to where the map of shadows begins."""
+GLOSS: Colour = (0.08, 0.08, 0.08)  # Of the sun on what is shiny (D).
+LAMP_RADIUS = 0.08  # Radius of a lamp in a room, as a share of its distance from the infant (D).
+SUN_DISTANCE_M = 4.0  # From the middle of what is shown to where the map of shadows begins.
 NEAR, FAR_M = 0.25, 10000.0
 """Where the picture begins, as a share of the distance of what is shown, and where it ends. MuJoCo raises shadows by a
 share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 10 km not."""
@@ -115,8 +98,7 @@ SHADOWS_WITHIN = 1.1
 SHADOWS_FROM = 2.5
 """Or, where a picture shows less, in halves of its height: those of what is farther away do not fall into it."""
 
-ROUND_OFF = 1e-9
-"""Lets halves be rounded up, whatever the last bit of a division is."""
+ROUND_OFF = 1e-9  # Lets halves be rounded up, whatever the last bit of a division is.
 
 
 def disc_points(count: int) -> FloatArray:
@@ -243,8 +225,7 @@ def _move_light(light: mujoco.MjvLight, shot: Shot, point: FloatArray) -> None:
         light.pos[:] += distance_m * shift
 
 
-LIFT = 0.35
-"""How much brighter pictures in daylight are between dark and white than what the lights give (D)."""
+LIFT = 0.35  # How much brighter pictures in daylight are between dark and white than what the lights give (D).
 
 
 def toned(share: FloatArray) -> FloatArray:

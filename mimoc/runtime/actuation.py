@@ -5,18 +5,22 @@ Actuation models are made of the terms and the functions of this module.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.kinds import function_of
+from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.model import load_model
 from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.runtime.term import Field, Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.schema.actuation import ActuationEntry, ActuatorEntry
-from mimoc.schema.components.actuation import ACTUATIONS
+from mimoc.schema.kinds import ACTUATIONS
 
 
 @dataclass(frozen=True)
@@ -92,14 +96,10 @@ class Effort(Term):
     E is between 0 and 1 / n, and 0 if all T are zero; shape (k,).
     """
 
-    used: Term
-    """Measures what is in use of each actuator, shape (k, n)."""
-    full: FloatArray
-    """What it measures of an actuator that uses all of its strength, shape (n,)."""
-    torques_nm: FloatArray
-    """T, shape (n,)."""
-    strength_nm: float
-    """n Σ T, or 1 if that is zero."""
+    used: Term  # Measures what is in use of each actuator, shape (k, n).
+    full: FloatArray  # What it measures of an actuator that uses all of its strength, shape (n,).
+    torques_nm: FloatArray  # T, shape (n,).
+    strength_nm: float  # n Σ T, or 1 if that is zero.
 
     def __call__(self, worlds: Worlds) -> Any:
         """Return what they cost now."""
@@ -157,3 +157,34 @@ def as_slice(indices: IntArray) -> IntArray | slice:
     """Return indices that follow each other as a slice, which is read and written faster."""
     first = int(indices[0]) if len(indices) else 0
     return slice(first, first + len(indices)) if (np.diff(indices) == 1).all() else indices
+
+
+@takes("a bundle, or the folder of one", Bundle, *PATH)
+def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:
+    """Return the peak torques at each actuated hinge joint, in negative and positive direction, in [N m].
+
+    The first is negative. For muscles it is the isometric torque at optimal length; for position actuators it is that
+    of the torque motors.
+
+    Args:
+        bundle: A bundle, or a bundle folder.
+
+    Raises:
+        BundleError: If the folder is not an intact bundle.
+        ModelError: If MuJoCo rejects its model.
+
+    Example:
+        >>> import mimoc
+        >>> limits_nm = mimoc.torque_limits("out/nine_months")
+        >>> least, most = limits_nm["robot:right_elbow"]
+        >>> least < 0 < most
+        True
+    """
+    bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+    entry = all_commanded(bundle.manifest.actuation)
+    actuation = bind_actuation(entry, load_model(bundle))
+    limits: dict[str, tuple[float, float]] = {}
+    for actuator, (negative_nm, positive_nm) in zip(entry.actuators, actuation.limits_nm.tolist(), strict=True):
+        so_far = limits.get(actuator.joint, (0.0, 0.0))
+        limits[actuator.joint] = (so_far[0] + negative_nm, so_far[1] + positive_nm)
+    return limits

@@ -20,8 +20,7 @@ import numpy.typing as npt
 from mimoc.runtime.sense import IntArray
 from mimoc.schema.actuation import ActuationEntry
 
-OF_BIAS, OF_HINGE = 3, 2
-"""Number of parameters that tone changes."""
+OF_BIAS, OF_HINGE = 3, 2  # Number of parameters that tone changes.
 MOST = 2.0
 FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"
 """Arrays of the model that arousal changes: of motors, and of hinges with muscles."""

@@ -51,8 +51,7 @@ def _library() -> Any:
     return SimpleNamespace(**names | short)
 
 
-NUMPY: Any = _library()
-"""What `Worlds.xp` is on the CPU."""
+NUMPY: Any = _library()  # What `Worlds.xp` is on the CPU.
 
 
 def torch_library(beside: Any) -> tuple[Any, Callable[[Any], Any]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.base.units import ms_to_s, rad_to_deg
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.bundle.world import WorldBundle, load_world_model
@@ -15,8 +15,7 @@ from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.sense import FloatArray
 
 CHECKED_S = 1.0
-SWITCHING_S = (0.05, 0.1)
-"""Range of the time after which alternating commands switch direction."""
+SWITCHING_S = (0.05, 0.1)  # Range of the time after which alternating commands switch direction.
 MAX_ENERGY_J_PER_KG = 20.0
 """Limit of the kinetic energy: flailing limbs stay far below it (measured: at most 9), unstable simulations do not."""
 MAX_BEYOND_DEG = 60.0
@@ -31,8 +30,7 @@ class Flailing:
     warnings: tuple[str, ...]
     energy_j_per_kg: float
     beyond_deg: float
-    joint: str
-    """The joint of that violation; empty if there was none."""
+    joint: str  # The joint of that violation; empty if there was none.
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +111,7 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
     return Flailing(
         simulation_warnings(data),
         energy_j / float(model.body(root).subtreemass[0]),
-        rad_to_deg(furthest_rad),
+        math.degrees(furthest_rad),
         model.joint(hinges[beyond.argmax()]).name if furthest_rad else "",
     )
 

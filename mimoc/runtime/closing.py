@@ -8,18 +8,14 @@ from typing import Any, TypeVar
 from gymnasium.error import ClosedEnvironmentError
 
 Environment = TypeVar("Environment", bound=type)
-STAYS = {"close", "close_extras", "get_state"}
-"""Methods of any environment that can still be called."""
+STAYS = {"close", "close_extras", "get_state"}  # Methods of any environment that can still be called.
 
 
 def closable(*stays: str) -> Callable[[Environment], Environment]:
-    """Let all public methods of a class raise Gymnasium's `ClosedEnvironmentError` once it is closed.
+    """Let public methods of a class raise `ClosedEnvironmentError` once it is closed, but for `get_state` and *stays*.
 
     What OpenGL draws with is freed then, and drawing with it would end Python. Attributes can still be read, and
     closing an environment again does nothing.
-
-    Args:
-        stays: Names of the methods that can still be called, besides `close` and `get_state`.
     """
 
     def decorate(environment: Environment) -> Environment:

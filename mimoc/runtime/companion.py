@@ -17,11 +17,14 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.physics_state import physics_of
+from mimoc.base.errors import KindError
+from mimoc.base.kinds import check_custom_object, function_of
+from mimoc.bundle.model import physics_of
 from mimoc.runtime.model_fields import ModelField
-from mimoc.runtime.noise.noise import NoiseStreams
-from mimoc.runtime.sound import Sound, SoundSources
-from mimoc.runtime.voice import Voice
+from mimoc.runtime.noise import NoiseStreams
+from mimoc.runtime.sense import Sense
+from mimoc.runtime.sound import Sound, SoundSources, Voice
+from mimoc.schema.kinds import COMPANIONS, OBJECTS
 
 FloatArray = npt.NDArray[np.float64]
 NOTHING: FloatArray = np.zeros(0)
@@ -193,3 +196,56 @@ class SoundsOf:
 def channel_of(name: str) -> str:
     """Return the channel of an environment's random numbers that a companion draws from."""
     return f"companion.{name}"
+
+
+def bind_companions(
+    model: mujoco.MjModel,
+    bundle: Any,
+    streams: NoiseStreams,
+    custom: Mapping[str, Companion],
+    senses: Mapping[str, Sense] = MappingProxyType({}),
+    voice: Voice | None = None,
+    world: Any = None,
+) -> Companions:
+    """Return the companions of an infant, bound to its model.
+
+    What acts on several infants, a caregiver and water, is bound once, with the first of them.
+    """
+    whole = world if bundle.manifest.prefix else bundle
+    present = [name for name in COMPANIONS if whole and getattr(whole.manifest, name)]
+    companions: dict[str, Companion] = {name: function_of(COMPANIONS[name], "bind")() for name in present}
+    for name, companion in custom.items():
+        check_custom_object(f"companion '{name}'", companion, "before_step", "an object such as a mimoc.Companion")
+        if not isinstance(companion, Companion):
+            raise KindError(f"companion '{name}' is {companion!r:.60}; pass an object of a subclass of mimoc.Companion")
+        if not whole and companion.attends_to_all:
+            raise KindError(f"companion '{name}': a world has one caregiver; pass it with the first infant")
+    own = {name for name, companion in custom.items() if type(companion) is not type(companions.get(name))}
+    companions |= custom
+    objects = whole.manifest.objects if whole else ()
+    kinds = sorted({item.kind for item in objects} & OBJECTS.keys() - custom.keys())
+    acting = {name: code for name in kinds if (code := OBJECTS[name].run)}
+    companions |= {name: function_of(code, "bind")() for name, code in acting.items()}  # They see what others apply.
+    for name, companion in companions.items():
+        is_shared = name in acting or companion.attends_to_all
+        companion.bind(model, whole if is_shared else bundle, streams[channel_of(name)])
+    bound = Companions(
+        companions, streams, {name: sense.companion for name, sense in senses.items() if sense.companion}, own
+    )
+    for listener in (*companions.values(), *senses.values()):
+        listener.listen_to(bound, voice)
+    return bound
+
+
+def hear_each_other(infants: Mapping[str, Any]) -> None:
+    """Let several infants of a world, by name, hear each other and all companions, and a caregiver hear all of them."""
+    everywhere = SoundsOf([infant.companions for infant in infants.values()])
+    for name, infant in infants.items():
+        others = [other.voice for key, other in infants.items() if key != name and other.voice]
+        for sense in infant.senses.values():
+            sense.listen_to(everywhere, infant.voice, others)
+        for companion in infant.companions.values():
+            if companion.attends_to_all:
+                companion.listen_to_infants({key: (one.companions, one.voice) for key, one in infants.items()})
+            else:
+                companion.listen_to(everywhere, infant.voice, others)

@@ -41,15 +41,10 @@ class Constraints:
             self._targets[weld, WELD_TURN] = data.xquat[body]
 
     def carry_on(self, former: "Constraints", before: mujoco.MjData, after: mujoco.MjData) -> None:
-        """Keep joints and parts locked and held in an infant that has another age now.
+        """Keep joints and parts locked and held as in the *former* infant, which had another age.
 
         Locks stay at their angles, or at the nearest that their joints still reach. What is held moves with the place
         in the world that growth has moved it to, so that nothing is pulled.
-
-        Args:
-            former: The constraints of the same infant at the age before.
-            before: Its state then, all that is derived from it included.
-            after: Its state now, likewise.
         """
         angles = former._targets[former._locks, LOCK_ANGLE] + self._at_zero
         self._targets[self._locks, LOCK_ANGLE] = np.clip(angles, *self._ranges.T) - self._at_zero

@@ -8,9 +8,8 @@ from typing import Any, Literal
 import gymnasium
 import numpy as np
 import numpy.typing as npt
-from gymnasium.envs.registration import EnvSpec
 
-from mimoc.base.state_form import demand
+from mimoc.base.state_form import require
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, open_variant
@@ -19,10 +18,10 @@ from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import AGE, SEED
 from mimoc.runtime.infant import PHYSICS, Custom, Infant
-from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.noise import NoiseStreams
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import BEFORE, INFANTS, Pictures, Simulation
-from mimoc.runtime.spaces import with_limit
+from mimoc.runtime.spaces import limited_spec
 
 
 @closable()
@@ -39,7 +38,7 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
     closed = False
-    _spec: EnvSpec | None = None
+    spec: Any = limited_spec(lambda env: (env.max_steps,))
 
     def __init__(
         self,
@@ -61,7 +60,7 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             height: Height of the images, in pixels.
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
             task: Object that replaces the bundle's task; see `mimoc.runtime.task`.
-            senses: Objects that are added to the bundle's senses, by name; see `mimoc.runtime.custom_sense`.
+            senses: Objects that are added to the bundle's senses, by name; see `mimoc.runtime.senses`.
             companions: Objects that act in its world as well, by name; see `mimoc.Companion`.
 
         Raises:
@@ -91,15 +90,6 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Draw random numbers from this seed on."""
         super().reset(seed=seed)
         self.noise.restart(seed)
-
-    def _limited_spec(self) -> EnvSpec | None:
-        """What Gymnasium says of it, if that has made it; `max_episode_steps` is what the task limits episodes to."""
-        return with_limit(self._spec, self.max_steps)
-
-    def _set_spec(self, spec: EnvSpec | None) -> None:
-        self._spec = spec
-
-    spec: Any = property(_limited_spec, _set_spec)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -160,7 +150,7 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If it is no state of this infant, or one that cannot be restored here; nothing has changed then.
             MimocError: If there is no such infant.
         """
-        demand(isinstance(state, Mapping) and {AGE, SEED, PHYSICS} <= state.keys(), "", state)
+        require(isinstance(state, Mapping) and {AGE, SEED, PHYSICS} <= state.keys(), "", state)
         whole = {name: state[name] for name in (PHYSICS, BEFORE, SEED) if name in state}
         self.simulation.set_state({**whole, INFANTS: {"": state}})
         return self.observe()
@@ -194,5 +184,5 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.simulation = Simulation.again(simulation, {"": self})
 
 
-BOUND = {"simulation", "bundle", "_binding", "_judged", "noise", "observer", "closed"}
+BOUND = {"simulation", "bundle", "binding", "_judged", "noise", "observer", "closed"}
 """Attributes that are not copied but bound anew."""

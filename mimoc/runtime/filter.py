@@ -1,6 +1,6 @@
 """Filters: what a sense organ makes, over time, of what acts on it, between the sensor and the delay line.
 
-A filter is a term as noise is (`mimoc.runtime.noise.noise`), so one definition runs on one infant, on many, and on a
+A filter is a term as noise is (`mimoc.runtime.noise`), so one definition runs on one infant, on many, and on a
 device:
 
     @dataclass(frozen=True)
@@ -31,12 +31,9 @@ from mimoc.runtime.term import Term
 
 FloatArray = npt.NDArray[np.float64]
 
-INSTANT_S = 1e-9
-"""Least time between samples."""
-MOST_INTERVALS = 64
-"""Between samples, for which filters remember what they do."""
-SLOW_S = 1.0
-"""From this time constant on, a lag has seen nothing yet when an episode begins; others have settled."""
+INSTANT_S = 1e-9  # Least time between samples.
+MOST_INTERVALS = 64  # Between samples, for which filters remember what they do.
+SLOW_S = 1.0  # From this time constant on, a lag has seen nothing yet when an episode begins; others have settled.
 
 
 @dataclass(frozen=True)

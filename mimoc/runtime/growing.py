@@ -7,26 +7,24 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.base.random_streams import checked_seed
 from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import pose_of
-from mimoc.bundle.physics_state import STATE, physics_of
+from mimoc.bundle.model import STATE, TOUCH_M, physics_of, pose_of
 from mimoc.bundle.variants import Variant
 from mimoc.bundle.world import manifests_of as manifests_of, take_pose
 from mimoc.runtime.arousal import checked_arousal
 from mimoc.runtime.infant import AGE as AGE, Binding, Infant
 from mimoc.runtime.model_fields import WORLD
 from mimoc.runtime.objects import Objects, Pose
-from mimoc.runtime.penetrations import clip_angles, depths_of, resolve_penetrations
-from mimoc.schema.object_base import names_of
-from mimoc.schema.object_moves import checked_moves
+from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.schema.objects import checked_moves, names_of
 
 OLDEST_MONTHS = 24.0
-SEED, POSE, AROUSAL, OBJECTS = "scene_seed", "pose", "arousal", "objects"
-"""Options of a reset, besides `AGE`."""
+SEED, POSE, AROUSAL, OBJECTS = "scene_seed", "pose", "arousal", "objects"  # Options of a reset, besides `AGE`.
 
 
 def options_given(options: Any) -> dict[str, Any]:
@@ -37,13 +35,7 @@ def options_given(options: Any) -> dict[str, Any]:
 
 
 def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, Any]:
-    """Return the options of a reset for an infant, none for None.
-
-    Raises:
-        TypeError: If they are no dictionary.
-        UnknownNameError: If there is no such option in an environment with these variants, or no such object.
-        ValueError: If an arousal is none from 0 to 2, a seed no whole number, or the place of an object none.
-    """
+    """Return the options of a reset for an infant, none for None, or raise an error that names the option."""
     options, is_alone, objects = options_given(options), not infant.name, infant.manifest.objects
     known = [POSE, AROUSAL, *([AGE] if variants else []), *([OBJECTS] if objects else [])]
     known += [SEED] if is_alone and variants and variants.has_other_scenes else []
@@ -60,18 +52,7 @@ def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, An
 def find_start(
     options: Mapping[str, Mapping[str, Any]], variant: Variant, infants: Mapping[str, Infant], *, is_new: bool
 ) -> tuple[dict[str, str], dict[str, Pose]]:
-    """Return the keyframes whose poses infants start in, by name, and where the objects are put that options move.
-
-    Args:
-        options: Of the reset, by infant; see `checked_options`.
-        variant: What is reset.
-        infants: The infants as they are bound now.
-        is_new: Whether the variant is another one than theirs.
-
-    Raises:
-        UnknownNameError: If there is no such pose.
-        ValueError: If an object would be inside of anything, or there is no such place; nothing has changed then.
-    """
+    """Return the keyframes whose poses infants start in, by name, and the poses of objects that the options move."""
     manifests = manifests_of(variant.bundle)
     poses = {
         name: _keyframe_of(manifest, options[name].get(POSE))
@@ -109,16 +90,7 @@ def find_variant(
 ) -> Variant | None:
     """Return infants with the ages and the scene that are wanted, or None if they have these already.
 
-    Args:
-        variants: Makes an infant that is alone, of (age_months, seed), or a world, of (ages by name, seed); or None.
-        manifest: That of the infant or the world now.
-        ages_months: Their ages now; the name of an infant that is alone is empty.
-        wanted: Their ages then.
-        seed: The seed of the scene then; None is that of now.
-
-    Raises:
-        ValueError: If an age is none from 0 to 24 months, or the seed is no whole number.
-        MimocError: If there are no such infants, or nothing makes them.
+    *variants*, if there are any, make an infant that is alone of its age and the seed, or a world of ages by name.
     """
     ages = {name: _age(age_months) for name, age_months in wanted.items()}
     seed = checked_seed(manifest.seed if seed is None else seed, SEED)
@@ -135,12 +107,7 @@ def find_variant(
 def variant_of_state(
     variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: Any
 ) -> Variant | None:
-    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`.
-
-    Raises:
-        ValueError: If this environment cannot make them.
-        MimocError: If there are no such infants.
-    """
+    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`."""
     if checked_seed(seed, SEED) != manifest.seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {seed}, but this environment has {manifest.seed} and was not made from a spec, so it"
@@ -212,3 +179,104 @@ def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
     begin, end = model.name_bodyadr[0], model.name_keyadr[0] if model.nkey else len(model.names)
     worlds, bodies = model.name_geomadr[0], model.name_geomadr[np.count_nonzero(model.geom_bodyid == WORLD)]
     return model.nq, model.nv, model.na, model.nu, model.names[begin:worlds] + model.names[bodies:end]
+
+
+LEFT_M = 1e-4
+"""Penetration that is left, so that what supports the infant goes on to do so; as in the poses of `body.poses`."""
+ROUNDS = 40  # Most times that it is moved; some are enough.
+UPWARDS = 0.1  # Least vertical part of a contact's normal at which lifting helps.
+FARTHEST = 0.2  # What a joint turns by in one round at most, in [rad], and what moves freely moves by, in [m].
+AT_LIMITS = 5  # Most times in a round that joints which reach the end of their range leave the rest to others.
+DAMPING = 1e-5  # Of contacts that contradict each other, relative to the largest.
+
+Mask = npt.NDArray[np.bool_]
+Depths = Mapping[tuple[int, int], float]
+"""The deepest penetration of each pair of bodies that touch, in [m]; the world is a body, too."""
+
+
+def resolve_penetrations(
+    model: mujoco.MjModel, data: mujoco.MjData, root_bodies: Sequence[str], fixed: IntArray, before: Depths
+) -> None:
+    """Lift infants by as much as each sinks into what it is on, and part them from themselves and what they touch.
+
+    Joints, and what lies around, give way by as little as needed, weighted by inertia; nothing else is pushed deeper
+    into anything than it was.
+    """
+    roots = [model.body(name).id for name in root_bodies]
+    heights = model.jnt_qposadr[model.body_jntadr[roots]] + 2
+    root_of = model.body_rootid[model.geom_bodyid]
+    yielding = model.dof_invweight0.copy()
+    yielding[fixed] = 0.0
+    for _ in range(ROUNDS):
+        mujoco.mj_fwdPosition(model, data)
+        touching, depths_m = root_of[data.contact.geom], -data.contact.dist
+        pairs = model.geom_bodyid[data.contact.geom].tolist()
+        usual_m = [before.get((first, second), 0.0) for first, second in pairs]
+        usual_m = np.where(np.isin(touching, roots).any(axis=1), 0.0, usual_m)
+        if not (depths_m > np.maximum(usual_m, TOUCH_M)).any():
+            return
+        lifts_m = [_lift_m(data, touching == root, depths_m) for root in roots]
+        if any(lifts_m):
+            data.qpos[heights] += lifts_m
+        else:
+            excess_m = np.maximum(depths_m - np.maximum(usual_m, LEFT_M), 0.0)
+            _part(model, data, np.flatnonzero(depths_m > 0), excess_m, yielding)
+
+
+def depths_of(model: mujoco.MjModel, data: mujoco.MjData) -> Depths:
+    """Return how deep each pair of bodies penetrate each other in a state whose contacts have been computed."""
+    depths: dict[tuple[int, int], float] = {}
+    pairs = model.geom_bodyid[data.contact.geom].tolist()
+    for (first, second), distance in zip(pairs, data.contact.dist.tolist(), strict=True):
+        depths[first, second] = max(depths.get((first, second), 0.0), -distance)
+    return depths
+
+
+def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Bring the angles of all hinges into their ranges."""
+    hinges = np.flatnonzero((model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE) & (model.jnt_limited != 0))
+    addresses = model.jnt_qposadr[hinges]
+    data.qpos[addresses] = np.clip(data.qpos[addresses], *model.jnt_range[hinges].T)
+
+
+def _lift_m(data: mujoco.MjData, is_infants: Mask, depths_m: FloatArray) -> float:
+    """Return how far an infant must be lifted to be out of what it is on."""
+    alone = is_infants[:, 0] != is_infants[:, 1]
+    upwards = data.contact.frame[:, 2] * np.where(is_infants[:, 1], 1.0, -1.0)
+    sunk = alone & (upwards > UPWARDS) & (depths_m > TOUCH_M)
+    return float(((depths_m[sunk] - LEFT_M) / upwards[sunk]).max()) if sunk.any() else 0.0
+
+
+def _part(
+    model: mujoco.MjModel, data: mujoco.MjData, touching: IntArray, excess_m: FloatArray, yielding: FloatArray
+) -> None:
+    """Move all degrees of freedom, by how much each yields, so that no contact is too deep.
+
+    Contacts that are not too deep stay as they are: neither a hand between the head and the floor nor a toy beneath a
+    leg is pushed into the floor. *touching* are the contacts with penetration, *excess_m*, shape (ncon,), is by how
+    much each contact is too deep, and *yielding*, shape (nv,), how much each degree of freedom gives way.
+    """
+    rows = np.array([_gap_rate(model, data, index) for index in touching])
+    yielding, before = yielding.copy(), data.qpos.copy()
+    for _ in range(AT_LIMITS):
+        weighted = rows * yielding
+        coupling = weighted @ rows.T
+        coupling[np.diag_indices_from(coupling)] += DAMPING * coupling.diagonal().max() + np.finfo(float).tiny
+        move = np.linalg.solve(coupling, excess_m[touching]) @ weighted
+        move /= max(1.0, np.abs(move).max() / FARTHEST)
+        data.qpos[:] = before
+        mujoco.mj_integratePos(model, data.qpos, move, 1.0)
+        wanted = data.qpos.copy()
+        clip_angles(model, data)
+        stopped = np.isin(model.jnt_qposadr, np.flatnonzero(wanted != data.qpos))
+        if not stopped.any():
+            return
+        yielding[model.jnt_dofadr[stopped]] = 0.0
+
+
+def _gap_rate(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> FloatArray:
+    """Return how the distance at a contact changes with each degree of freedom, shape (nv,)."""
+    contact, rates = data.contact[index], np.zeros((2, 3, model.nv))
+    for rate, geom in zip(rates, contact.geom, strict=True):
+        mujoco.mj_jac(model, data, rate, None, contact.pos, model.geom_bodyid[geom])
+    return contact.frame[:3] @ (rates[1] - rates[0])

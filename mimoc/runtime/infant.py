@@ -16,42 +16,75 @@ from mimoc.base.state_form import check_form
 from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.physics_state import time_of
+from mimoc.bundle.model import time_of
 from mimoc.runtime.actuation import Actuation, bind_actuation
 from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.closing import closable
-from mimoc.runtime.companion import Companions
-from mimoc.runtime.companions import bind_companions
+from mimoc.runtime.companion import Companions, bind_companions
 from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.custom_sense import by_name
 from mimoc.runtime.delays.schedule import Schedule
-from mimoc.runtime.delays.timing import timing_of
+from mimoc.runtime.delays.signals import timing_of
 from mimoc.runtime.expression import expression_fields, face_of, set_expression
 from mimoc.runtime.judgement import NO_REWARD, check_judgement, reward_of
 from mimoc.runtime.model_fields import ModelFields
-from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.noise import NoiseStreams
 from mimoc.runtime.objects import Objects
-from mimoc.runtime.observer import NO_OBSERVER, Observer
 from mimoc.runtime.sense import Observation, Sense, SkinState
-from mimoc.runtime.senses import bind_senses
+from mimoc.runtime.senses import bind_senses, by_name
+from mimoc.runtime.sound import Voice
 from mimoc.runtime.spaces import action_space, observation_space
 from mimoc.runtime.task import Task, bind_task
-from mimoc.runtime.voice import Voice
+
+
+class Observer:
+    """Is told of everything that is done to one infant; this default does nothing."""
+
+    keeps = False  # Whether it wants to be told of control steps, which takes time.
+
+    def resetting(self) -> None:
+        """Be told that the infant is about to be reset."""
+
+    def was_reset(
+        self, seed: int | None, options: Mapping[str, Any], observation: Observation, info: Mapping[str, Any]
+    ) -> None:
+        """Be told that the infant was reset, and what it observes."""
+
+    def stepping(self) -> None:
+        """Be told that the infant is about to make a control step."""
+
+    def stepped(
+        self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
+    ) -> None:
+        """Be told of a control step: the action, and what `step` returns; arrays may be changed afterwards."""
+
+    def grew(self, to: float) -> None:
+        """Be told that the infant has grown to an age, in months."""
+
+    def restored(self) -> None:
+        """Be told that a state of the infant was restored."""
+
+    def expressed(self, expression: str) -> None:
+        """Be told of a new facial expression."""
+
+    def aroused(self, level: float) -> None:
+        """Be told of another arousal within an episode."""
+
+
+NO_OBSERVER = Observer()  # The observer of an infant that nobody observes.
+
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 PHYSICS, AGE, STEPS, RANDOM = "physics", "age_months", "steps", "random"
-Judged = tuple[float, bool, bool, dict[str, Any]]
-"""Reward, terminated, truncated and info of a control step."""
+Judged = tuple[float, bool, bool, dict[str, Any]]  # Reward, terminated, truncated and info of a control step.
 
 
 @dataclass(frozen=True)
 class Custom:
     """Objects of a script for one infant."""
 
-    task: Any = None
-    """Replaces the bundle's task; see `mimoc.runtime.task`."""
+    task: Any = None  # Replaces the bundle's task; see `mimoc.runtime.task`.
     senses: Mapping[str, Any] = field(default_factory=dict)
-    """Are added to the bundle's senses, by name; see `mimoc.runtime.custom_sense`."""
+    """Are added to the bundle's senses, by name; see `mimoc.runtime.senses`."""
     companions: Mapping[str, Any] = field(default_factory=dict)
     """Act in its world as well, by name; see `mimoc.Companion`."""
 
@@ -82,8 +115,7 @@ class Binding:
     objects: Objects
     arousal: Arousal
     face: Face | None
-    fields: ModelFields
-    """All that its episodes change in the model."""
+    fields: ModelFields  # All that its episodes change in the model.
 
 
 @closable("layout", "get_state")
@@ -91,26 +123,18 @@ class Infant:
     """An infant in a simulation, which steps it; what can be read of it is the same whatever else is there."""
 
     closed = False
-    name = ""
-    """Its name in a world; empty if it is alone."""
-    simulation: Any
-    """The `Simulation` that it is in."""
+    name = ""  # Its name in a world; empty if it is alone.
+    simulation: Any  # The `Simulation` that it is in.
     bundle: Bundle
     render_mode: Any = None
     observer: Observer = NO_OBSERVER
-    noise: NoiseStreams
-    """Random numbers of noise, jitter and companions, by channel."""
-    random: np.random.Generator
-    """Random numbers of its task."""
-    steps = 0
-    """Control steps of this episode so far."""
-    action_space: Any
-    """The space of its actions: one command for each of its commanded actuators."""
-    observation_space: Any
-    """The space of what it observes; like that of its actions, it stays as it is when it grows."""
-    _binding: Binding
-    _judged: Task | None = None
-    """The task whose first judgement was as it must be."""
+    noise: NoiseStreams  # Random numbers of noise, jitter and companions, by channel.
+    random: np.random.Generator  # Random numbers of its task.
+    steps = 0  # Control steps of this episode so far.
+    action_space: Any  # The space of its actions: one command for each of its commanded actuators.
+    observation_space: Any  # The space of what it observes; like that of its actions, it stays as it is when it grows.
+    binding: Binding  # What it has in its present model.
+    _judged: Task | None = None  # The task whose first judgement was as it must be.
     _custom = Custom()
 
     def __init__(self, custom: Custom):
@@ -131,8 +155,6 @@ class Infant:
         """Look up in a model, in which no episode has changed anything yet, everything that the manifest names.
 
         The first of several infants gets the bundle of their *world*, for what acts on all of them.
-
-        Senses of the model before are kept where they can be, or closed.
         """
         manifest, custom, noise = bundle.manifest, self._custom, self.noise
         actuation = bind_actuation(manifest.actuation, model)
@@ -146,19 +168,14 @@ class Infant:
         fields = ModelFields(model, (*changed, *companions.model_fields))
         arousal = Arousal(manifest.actuation, model)
         self.bundle = bundle
-        self._binding = Binding(
+        self.binding = Binding(
             manifest, model, data, actuation, senses, task, schedule, voice, constraints, objects, arousal, face, fields
         )
 
     def _former_senses(self) -> Mapping[str, Sense]:
-        return self._binding.senses if hasattr(self, "_binding") else NOTHING
+        return self.binding.senses if hasattr(self, "binding") else NOTHING
 
     # What can be read of it.
-
-    @property
-    def binding(self) -> Binding:
-        """What it has in its present model."""
-        return self._binding
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -168,7 +185,7 @@ class Infant:
     @property
     def data(self) -> mujoco.MjData:
         """MuJoCo's state."""
-        return self._binding.data
+        return self.binding.data
 
     @property
     def manifest(self) -> Manifest:
@@ -178,22 +195,22 @@ class Infant:
     @property
     def actuation(self) -> Actuation:
         """The mapping from actions to controls: actuators in the order of the action, and their limits."""
-        return self._binding.actuation
+        return self.binding.actuation
 
     @property
     def senses(self) -> Mapping[str, Sense]:
         """What it senses with, by name."""
-        return self._binding.senses
+        return self.binding.senses
 
     @property
     def voice(self) -> Voice | None:
         """Its voice, if it has one."""
-        return self._binding.voice
+        return self.binding.voice
 
     @property
     def companions(self) -> Companions:
         """What else acts in its world, by name."""
-        return self._binding.schedule.companions
+        return self.binding.schedule.companions
 
     @property
     def caregiver(self) -> Any:
@@ -211,17 +228,17 @@ class Infant:
     @property
     def task(self) -> Task:
         """What starts its episodes and judges its steps."""
-        return self._binding.task
+        return self.binding.task
 
     @property
     def schedule(self) -> Schedule:
         """Its control step, with all signals on their way."""
-        return self._binding.schedule
+        return self.binding.schedule
 
     @property
     def max_steps(self) -> int | None:
         """Control steps after which an episode is truncated; None is never."""
-        return self._binding.task.steps
+        return self.binding.task.steps
 
     @property
     def age_months(self) -> float:
@@ -252,7 +269,7 @@ class Infant:
     @property
     def arousal(self) -> float:
         """How much of its muscle tone the infant has: 0 is slack, 1 quiet."""
-        return self._binding.arousal.level
+        return self.binding.arousal.level
 
     def effort(self) -> float:
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
@@ -265,7 +282,7 @@ class Infant:
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
         names, site = self.manifest.keypoints, mujoco.mjtObj.mjOBJ_SITE
-        sites = np.array([mujoco.mj_name2id(self._binding.model, site, name) for name in names], int)
+        sites = np.array([mujoco.mj_name2id(self.binding.model, site, name) for name in names], int)
         return np.where(sites[:, None] < 0, np.nan, self.data.site_xpos[sites])
 
     @property
@@ -319,7 +336,7 @@ class Infant:
         Raises:
             UnknownNameError: If there is no such expression.
         """
-        set_expression(expression, self._binding.face, self._binding.model)
+        set_expression(expression, self.binding.face, self.binding.model)
         self.observer.expressed(expression)
 
     def set_arousal(self, level: float) -> None:
@@ -328,7 +345,7 @@ class Infant:
         Raises:
             ValueError: If it is none from 0 to 2.
         """
-        self._binding.arousal.level = level
+        self.binding.arousal.level = level
         self.observer.aroused(level)
 
     def get_state(self) -> dict[str, Any]:
@@ -350,12 +367,12 @@ class Infant:
 
     def observe(self) -> Observation:
         """Return what the senses and the task give, as fresh arrays."""
-        return {**self._binding.schedule.observe(), **self._binding.task.observe()}
+        return {**self.binding.schedule.observe(), **self.binding.task.observe()}
 
     def judge(self, action: npt.NDArray[Any], *, unstable: bool) -> Judged:
         """Count a control step that has been made: return reward, terminated, truncated and info."""
         self.steps += 1
-        bound = self._binding
+        bound = self.binding
         task, verdict, reward = bound.task, NO_REWARD, 0.0
         if not unstable:
             verdict = task.judge(bound.data, action, self.effort)
@@ -380,7 +397,7 @@ class Infant:
     @property
     def state(self) -> dict[str, Any]:
         """All that its next steps depend on but the physics; not copied."""
-        bound = self._binding
+        bound = self.binding
         companions = {"companions": self.companions.state} if self.companions else {}
         return {
             "signals": bound.schedule.state,
@@ -409,7 +426,7 @@ class Infant:
 
     def restore_model(self, state: Mapping[str, Any]) -> None:
         """Restore what a state says of the model and the task, before the physics."""
-        bound = self._binding
+        bound = self.binding
         bound.fields.state, bound.task.state = state["model"], state["task"]
         bound.arousal.level = state["arousal"]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from mimoc.base.classes import class_name
 from mimoc.base.errors import KindError
-from mimoc.runtime.sense_contract import told
+from mimoc.runtime.contract import told
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -61,8 +61,7 @@ class Judgement(NamedTuple):
         return Judgement(terms, bool(self.success), bool(self.terminated))
 
 
-Verdict = Judgement
-"""The name that tasks of scripts know it by."""
+Verdict = Judgement  # The name that tasks of scripts know it by.
 NO_REWARD = Judgement({})
 EXPECTED = "expected a finite number, or a mimoc.Judgement of such by name"
 

@@ -8,18 +8,15 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-WORLD = 0
-"""The body that everything hangs on."""
+WORLD = 0  # The body that everything hangs on.
 
 
 @dataclass(frozen=True, slots=True)
 class ModelField:
     """Some rows of an array of an `MjModel`."""
 
-    name: str
-    """The array, such as `geom_size`."""
-    rows: npt.NDArray[np.intp]
-    """Indices of the rows, shape (n,)."""
+    name: str  # The array, such as `geom_size`.
+    rows: npt.NDArray[np.intp]  # Indices of the rows, shape (n,).
     write: Callable[[mujoco.MjModel, npt.NDArray[Any]], None] | None = None
     """What writes other values into a model, if more has to follow them there."""
 

@@ -6,22 +6,20 @@ from collections.abc import Callable, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.base.geometry.floor_reach import STRETCHED, leaning_reach, places_around
+from mimoc.base.geometry.reach import STRETCHED, leaning_reach, places_around
 from mimoc.base.geometry.rotations import Quaternion, quaternion_from_axis, quaternion_product
-from mimoc.base.units import cm_to_m, deg_to_rad
+from mimoc.base.units import cm_to_m
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import TOUCH_M
 from mimoc.runtime.model_fields import ModelField
 from mimoc.runtime.sense import FloatArray
-from mimoc.schema.object_moves import Move, NewPlace
+from mimoc.schema.objects import Move, NewPlace
 
-STEP_M, DIRECTIONS = 0.01, 16
-"""Of the search for a free place within reach."""
+STEP_M, DIRECTIONS = 0.01, 16  # Of the search for a free place within reach.
 
 Pose = tuple[FloatArray, Quaternion]
 """Position, shape (3,), and orientation of an object's outermost body in the world."""
-NOWHERE: Mapping[str, Pose] = {}
-"""No object is anywhere else than it was built."""
+NOWHERE: Mapping[str, Pose] = {}  # No object is anywhere else than it was built.
 
 
 class Objects:
@@ -108,7 +106,7 @@ class Objects:
         w, x, y, z = data.xquat[body].tolist()
         if isinstance(move, NewPlace):
             height_m = cm_to_m(move.z_cm) + entry.origin_m
-            turn = quaternion_from_axis((0.0, 0.0, 1.0), deg_to_rad(move.yaw_deg))
+            turn = quaternion_from_axis((0.0, 0.0, 1.0), math.radians(move.yaw_deg))
             place_m = np.array([cm_to_m(move.x_cm), cm_to_m(move.y_cm), height_m])
             return place_m, quaternion_product(turn, (w, x, y, z))
         relation, other = move

@@ -38,8 +38,7 @@ from mimoc.runtime.term import Term
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
-Sample = npt.NDArray[Any]
-"""What a sense returned at one physics step; its first axis is that of `Sense.bodies`."""
+Sample = npt.NDArray[Any]  # What a sense returned at one physics step; its first axis is that of `Sense.bodies`.
 Observation = dict[str, npt.NDArray[Any]]
 
 
@@ -144,9 +143,6 @@ class Vector(Sense):
 class SkinState:
     """Where the n points of a skin are, and the forces on them."""
 
-    bodies: npt.NDArray[np.str_]
-    """The name of each point's body, shape (n,)."""
-    positions: FloatArray
-    """Shape (n, 3), in the world, [m]."""
-    forces: FloatArray
-    """Shape (n, 3), in the world, [N]."""
+    bodies: npt.NDArray[np.str_]  # The name of each point's body, shape (n,).
+    positions: FloatArray  # Shape (n, 3), in the world, [m].
+    forces: FloatArray  # Shape (n, 3), in the world, [N].

@@ -13,16 +13,15 @@ import numpy.typing as npt
 
 from mimoc.base.errors import MimocError
 from mimoc.base.random_streams import checked_seed
-from mimoc.base.state_form import check_finite, demand
+from mimoc.base.state_form import check_finite, require
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.model import begin, bounded, is_unstable
-from mimoc.bundle.physics_state import STATE, physics_of, set_physics
+from mimoc.bundle.model import STATE, begin, bounded, is_unstable, physics_of, set_physics
 from mimoc.bundle.variants import Variant
 from mimoc.bundle.world import WorldBundle, overlaps
 from mimoc.render.environment import EnvRenderer
 from mimoc.runtime import growing
-from mimoc.runtime.companions import hear_each_other
-from mimoc.runtime.control_step import ControlStep
+from mimoc.runtime.companion import hear_each_other
+from mimoc.runtime.delays.schedule import ControlStep
 from mimoc.runtime.growing import AGE, AROUSAL, SEED
 from mimoc.runtime.infant import NOTHING, PHYSICS, Binding, Infant
 from mimoc.runtime.objects import NOWHERE, Pose
@@ -31,8 +30,7 @@ from mimoc.runtime.spaces import check_same_space
 
 INFANTS, BEFORE = "infants", "before"
 Stepped = tuple[Observation, float, bool, bool, dict[str, Any]]
-AgeSchedule = Callable[[int], float]
-"""From the control steps that were taken so far to an age in months."""
+AgeSchedule = Callable[[int], float]  # From the control steps that were taken so far to an age in months.
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +50,7 @@ class Simulation:
     """
 
     data: mujoco.MjData
-    is_started = False
-    """Whether episodes are on: not after a reset that failed while it put infants into their places."""
+    is_started = False  # Whether episodes are on: not after a reset that failed while it put infants into their places.
 
     def __init__(
         self,
@@ -64,20 +61,13 @@ class Simulation:
         *,
         draws: bool = False,
     ):
-        """Bind infants to a model, in which no episode has changed anything yet, and start them.
+        """Bind infants, by name, to a model in which no episode has changed anything yet, and start them.
 
-        Args:
-            variant: The bundle of the infant or the world, with its model.
-            infants: The infants by name, which this binds.
-            variants: Makes the same infants at other ages and in other scenes; see `bundle.variants`.
-            pictures: How it shows itself.
-            draws: Whether anything draws the infants, so that a model needs the skins of their ages.
-
-        Raises:
-            KindError: If an object of a script is none of its kind.
-            RenderingError: If vision or the pictures need OpenGL or a screen that is not available.
+        *variants* make the same infants at other ages and in other scenes; *draws* is whether anything draws them, so
+        that a model needs the skins of their ages.
         """
-        self._variant, self._variants, self._draws = variant, variants, draws
+        self._variant, self._draws, self.variants = variant, draws, variants
+        """Make the same infants at other ages and in other scenes; None if nothing does."""
         self.infants: Mapping[str, Infant] = MappingProxyType(dict(infants))
         self.schedules: Mapping[str, AgeSchedule] = NOTHING
         self.steps_done = 0
@@ -108,11 +98,6 @@ class Simulation:
         return self._variant.bundle
 
     @property
-    def variants(self) -> Any:
-        """Makes the same infants at other ages and in other scenes; None if nothing does."""
-        return self._variants
-
-    @property
     def seed(self) -> int:
         """The seed of the scene."""
         return self.bundle.manifest.seed
@@ -127,20 +112,14 @@ class Simulation:
         options: Mapping[str, Mapping[str, Any]] = NOTHING,
         scene_seed: int | None = None,
     ) -> dict[str, tuple[Observation, dict[str, Any]]]:
-        """Start an episode of all infants.
+        """Start an episode of all infants, and return the observation and info of each.
 
         Args:
             seeds: By infant; one without a seed goes on drawing.
             options: By infant, its `pose`, `arousal` and `age_months`, and `objects` that are elsewhere.
             scene_seed: The scene, from now on.
 
-        Returns:
-            Observation and info of each infant.
-
         Raises:
-            UnknownNameError: If there is no such pose, object or option.
-            TypeError: If options are no dictionary.
-            ValueError: If a seed, an age, an arousal or the place of an object is none that there can be.
             MimocError: If there are no such infants, and nothing has changed then; or if infants would start within
                 each other, and no episode is on then.
         """
@@ -170,11 +149,7 @@ class Simulation:
         return started
 
     def step(self, actions: Mapping[str, Any]) -> dict[str, Stepped]:
-        """Make one control step; infants without an action command nothing, and their episodes do not go on.
-
-        Raises:
-            ValueError: If an action has the wrong shape or is not finite; no time has passed then.
-        """
+        """Make one control step; infants without an action command nothing, and their episodes do not go on."""
         self.grow_as_scheduled()
         controls, data = self._controls(actions), self.data
         acting = [self.infants[name] for name in actions]
@@ -208,12 +183,7 @@ class Simulation:
             self.grow(due)
 
     def grow(self, ages_months: Mapping[str, float]) -> None:
-        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`.
-
-        Raises:
-            ValueError: If one is no age from 0 to 24 months.
-            MimocError: If there is no such infant, or nothing can make it; nothing has changed then.
-        """
+        """Let infants have other ages from now on, in the midst of their episodes; see `InfantEnv.grow`."""
         variant = self.find(ages_months)
         if variant is None:
             return
@@ -260,11 +230,8 @@ class Simulation:
         """Restore a state of this simulation, or of another one of the same bundle, with its ages and its scene.
 
         All later steps are exactly as they would have been from there. Derived quantities (contacts, positions of
-        bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before.
-
-        Raises:
-            ValueError: If it is no state of these infants, or cannot be restored here; nothing has changed then.
-            MimocError: If there are no such infants.
+        bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before. If
+        it cannot be restored, nothing has changed.
         """
         ages = {name: infant[AGE] for name, infant in _infants_in(state, [*self.infants]).items()}
         variant = self.find_in_state(ages, state[SEED])
@@ -299,7 +266,7 @@ class Simulation:
         """Return what a copy is made of, besides its infants: the model as it was before any episode, and the state."""
         return {
             "variant": self._variant.again(_model_as_built([infant.binding for infant in self.infants.values()])),
-            "variants": self._variants,
+            "variants": self.variants,
             "draws": self._draws,
             "pictures": self._pictures,
             "growth": (dict(self.schedules), self.steps_done),
@@ -310,7 +277,7 @@ class Simulation:
     def again(cls, kept: Mapping[str, Any], infants: Mapping[str, Infant]) -> "Simulation":
         """Return a copy with these infants, which have no binding yet, in the state of the original."""
         simulation = cls.__new__(cls)
-        simulation._variant, simulation._variants, simulation._draws = kept["variant"], kept["variants"], kept["draws"]
+        simulation._variant, simulation.variants, simulation._draws = kept["variant"], kept["variants"], kept["draws"]
         simulation.infants, simulation._pictures = MappingProxyType(dict(infants)), kept["pictures"]
         simulation.schedules, simulation.steps_done = kept["growth"]
         for name, infant in infants.items():
@@ -342,12 +309,12 @@ class Simulation:
     def find(self, ages_months: Mapping[str, Any], scene_seed: int | None = None) -> Variant | None:
         """Return the infants with ages and a scene, or None if they have these already; see `growing.find_variant`."""
         now, wanted = self.ages_months, {**self.ages_months, **ages_months}
-        return growing.find_variant(self._variants, self.bundle.manifest, now, wanted, scene_seed)
+        return growing.find_variant(self.variants, self.bundle.manifest, now, wanted, scene_seed)
 
     def find_in_state(self, ages_months: Mapping[str, Any], scene_seed: Any) -> Variant | None:
         """Return the infants of a state, or None if they are those of now; see `growing.variant_of_state`."""
         manifest = self.bundle.manifest
-        return growing.variant_of_state(self._variants, manifest, self.ages_months, ages_months, scene_seed)
+        return growing.variant_of_state(self.variants, manifest, self.ages_months, ages_months, scene_seed)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infants at other ages or in another scene, where nothing is started yet."""
@@ -376,7 +343,7 @@ class Simulation:
 
     def _options(self, name: str, options: Any) -> dict[str, Any]:
         due = self._due().get(name) if self.schedules else None
-        checked = growing.checked_options(options, self._variants, self.infants[name])
+        checked = growing.checked_options(options, self.variants, self.infants[name])
         return checked if due is None else {AGE: due, **checked}
 
     def _due(self) -> dict[str, float]:
@@ -431,7 +398,7 @@ class Simulation:
         if accompanied:
             before = state[BEFORE]
             size = mujoco.mj_stateSize(model, STATE)
-            demand(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), BEFORE, before)
+            require(isinstance(before, np.ndarray) and before.shape in ((0,), (size,)), BEFORE, before)
             check_finite(before, BEFORE)
             if len(before):
                 mujoco.mj_setState(model, data, before, STATE)
@@ -455,9 +422,9 @@ def _model_as_built(bindings: Sequence[Binding]) -> mujoco.MjModel:
 
 def _infants_in(state: Any, names: Sequence[str]) -> Mapping[str, Any]:
     """Return the parts of a state that are of infants, or raise a ValueError if it is no state of these."""
-    demand(isinstance(state, Mapping) and {PHYSICS, INFANTS, SEED} <= state.keys(), "", state)
+    require(isinstance(state, Mapping) and {PHYSICS, INFANTS, SEED} <= state.keys(), "", state)
     infants = state[INFANTS]
-    demand(isinstance(infants, Mapping) and list(infants) == list(names), INFANTS, infants)
+    require(isinstance(infants, Mapping) and list(infants) == list(names), INFANTS, infants)
     for name, infant in infants.items():
-        demand(isinstance(infant, Mapping) and AGE in infant, f"{INFANTS}.{name}", infant)
+        require(isinstance(infant, Mapping) and AGE in infant, f"{INFANTS}.{name}", infant)
     return infants

@@ -16,6 +16,7 @@ from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.base.state_form import check_form
 from mimoc.bundle.io import Bundle
+from mimoc.runtime.contract import check_observation
 from mimoc.runtime.judgement import (
     FORCES as FORCES,
     NO_REWARD as NO_REWARD,
@@ -27,10 +28,9 @@ from mimoc.runtime.judgement import (
 )
 from mimoc.runtime.model_fields import ModelField, rows_by_name
 from mimoc.runtime.sense import FloatArray, IntArray, Observation
-from mimoc.runtime.sense_contract import check_observation
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
-from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.kinds import TASKS
 
 
 class Task:
@@ -227,10 +227,8 @@ def no_judge(task: object) -> KindError:
 class SquaredCommands(Term):
     """Sum of squared commands, which are clipped to their ranges first, shape (k,); those of a voice do not count."""
 
-    low: FloatArray
-    """Least command of each actuator, shape (n,)."""
-    high: FloatArray
-    """Largest command of each actuator, shape (n,)."""
+    low: FloatArray  # Least command of each actuator, shape (n,).
+    high: FloatArray  # Largest command of each actuator, shape (n,).
 
     def __call__(self, worlds: Worlds, action: Any) -> Any:
         """Return the sum of each infant for actions of shape (k, n)."""

@@ -30,8 +30,7 @@ import numpy.typing as npt
 
 from mimoc.runtime.worlds import Worlds
 
-Put = Callable[[np.ndarray], Any]
-"""From NumPy's array to that of the library in which a term runs."""
+Put = Callable[[np.ndarray], Any]  # From NumPy's array to that of the library in which a term runs.
 
 
 @dataclass(frozen=True)
@@ -87,12 +86,7 @@ T = TypeVar("T", bound=Term)
 
 
 def stack_terms(terms: Sequence[T], put: Put = np.asarray) -> T:
-    """Return the term of k infants: amounts become rows, addresses and everything else are those of the first.
-
-    Args:
-        terms: The term of each infant; see `differing_field`.
-        put: Moves arrays to where the term will run.
-    """
+    """Return the term of k infants: amounts become rows, *put* where it runs; all else is that of the first."""
     first = terms[0]
     return replace(first, **{name: _stacked(values, put) for name, values in _fields(terms).items()})
 

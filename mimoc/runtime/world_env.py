@@ -10,29 +10,26 @@ from gymnasium.spaces import Box
 
 from mimoc.base.errors import check_name
 from mimoc.base.random_streams import checked_seed
-from mimoc.base.state_form import checked_list, demand
+from mimoc.base.state_form import checked_list, require
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.variants import WorldMaker, WorldVariant
 from mimoc.bundle.world import WorldBundle, load_world_model
 from mimoc.render.environment import available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
-from mimoc.runtime.custom_sense import by_name
 from mimoc.runtime.growing import OBJECTS, SEED
 from mimoc.runtime.infant import Custom, Infant
 from mimoc.runtime.sense import Observation
+from mimoc.runtime.senses import by_name
 from mimoc.runtime.simulation import AgeSchedule, Pictures, Simulation
-from mimoc.schema.object_base import names_of
-from mimoc.schema.object_moves import checked_moves
+from mimoc.schema.objects import checked_moves, names_of
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 Observations = dict[str, Observation]
 Infos = dict[str, dict[str, Any]]
 Stepped = tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]
-AGENTS = "agents"
-"""Part of a state: whose episodes go on."""
-MAXVAL = 1e10
-"""Position or velocity beyond which MuJoCo resets a simulation (its mjMAXVAL)."""
+AGENTS = "agents"  # Part of a state: whose episodes go on.
+MAXVAL = 1e10  # Position or velocity beyond which MuJoCo resets a simulation (its mjMAXVAL).
 
 
 @closable("observation_space", "action_space")
@@ -66,7 +63,7 @@ class WorldEnv:
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
             tasks: By infant, an object that replaces its task; see `mimoc.runtime.task`.
-            senses: By infant, objects that are added to its senses, by name; see `mimoc.runtime.custom_sense`.
+            senses: By infant, objects that are added to its senses, by name; see `mimoc.runtime.senses`.
             companions: By infant, objects that act in the world as well, by name; see `mimoc.Companion`.
             variants: Makes the same infants at other ages and in other scenes, for `grow` and `reset`.
 
@@ -253,9 +250,9 @@ class WorldEnv:
         Raises:
             ValueError: If it is no state of this world; nothing has changed then.
         """
-        demand(isinstance(state, Mapping) and AGENTS in state, "", state)
+        require(isinstance(state, Mapping) and AGENTS in state, "", state)
         agents = checked_list(state[AGENTS], AGENTS)
-        demand(set(agents) <= set(self.possible_agents), AGENTS, agents)
+        require(set(agents) <= set(self.possible_agents), AGENTS, agents)
         self.simulation.set_state(state)
         self.agents = list(agents)
         return self._observe()

@@ -6,9 +6,13 @@ from mimoc.base.lazy import names_of
 
 if TYPE_CHECKING:
     from mimoc.schema.actuation import ActuationSpec as ActuationSpec
-    from mimoc.schema.body import BodySpec as BodySpec, IndividualSpec as IndividualSpec, PartSpec as PartSpec
+    from mimoc.schema.body import (
+        BodySpec as BodySpec,
+        IndividualSpec as IndividualSpec,
+        LooksSpec as LooksSpec,
+        PartSpec as PartSpec,
+    )
     from mimoc.schema.caregiver import AnswersSpec as AnswersSpec, CaregiverSpec as CaregiverSpec
-    from mimoc.schema.delays import DelaysSpec as DelaysSpec
     from mimoc.schema.impairments import ImpairmentsSpec as ImpairmentsSpec, ToneSpec as ToneSpec
     from mimoc.schema.infant import (
         InfantSpec as InfantSpec,
@@ -17,12 +21,10 @@ if TYPE_CHECKING:
         to_data as to_data,
         validated as validated,
     )
-    from mimoc.schema.looks import LooksSpec as LooksSpec
-    from mimoc.schema.noise import NoiseSpec as NoiseSpec
     from mimoc.schema.scene import SceneSpec as SceneSpec, TexturesSpec as TexturesSpec
-    from mimoc.schema.senses import SensesSpec as SensesSpec
+    from mimoc.schema.senses import DelaysSpec as DelaysSpec, NoiseSpec as NoiseSpec, SensesSpec as SensesSpec
     from mimoc.schema.spec import ControlSpec as ControlSpec
-    from mimoc.schema.task_base import TaskSpec as TaskSpec
+    from mimoc.schema.task import TaskSpec as TaskSpec
     from mimoc.schema.toys import ToysSpec as ToysSpec
 
 __getattr__, __dir__, __all__ = names_of(__name__)

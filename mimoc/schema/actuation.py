@@ -6,10 +6,9 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from mimoc.schema.base import KeyedError, Model, omitting
-from mimoc.schema.components.actuation import ACTUATIONS
-from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.base import KeyedError, Model, choice_field, composed, omitting, own_sections
 from mimoc.schema.entries import Actuator, Amount, Body, Hinge, Label, Number
+from mimoc.schema.kinds import ACTUATIONS
 from mimoc.schema.names import STRENGTH_GROUPS, GroupName, Groups, single_groups
 from mimoc.schema.quantities import Age, Real, keys_among
 
@@ -103,8 +102,7 @@ class VoiceEntry(Model):
     """Sound pressure level at the largest loudness, at 1 m, re 20 µPa."""
 
 
-VOICE_COMMANDS = ("voice_pitch", "voice_loudness")
-"""Names of a voice's commands."""
+VOICE_COMMANDS = ("voice_pitch", "voice_loudness")  # Names of a voice's commands.
 
 
 @composed(lambda: {"model": choice_field(ACTUATIONS, "torque", "Actuation model.")})

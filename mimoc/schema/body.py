@@ -1,8 +1,8 @@
-"""The `body` of a spec: its size, its hands, and deviations from the average child."""
+"""The `body` of a spec: its size, its hands, its looks, and deviations from the average child."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -11,8 +11,6 @@ from pydantic_core import PydanticKnownError
 from mimoc.anatomy.parts import PARTS, extra_kinds, kinds_of_hands
 from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, Model, omitting
-from mimoc.schema.expressions import Expression
-from mimoc.schema.looks import LooksSpec
 from mimoc.schema.names import (
     MEASUREMENT_KEYS,
     SIDED_MEASUREMENT_KEYS,
@@ -23,6 +21,47 @@ from mimoc.schema.names import (
     trunk_bodies,
 )
 from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, among, keys_among
+
+AdultExpression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
+"""Those of a caregiver."""
+Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared", "sleepy", "crying"]
+"""Those of an infant."""
+ADULT_EXPRESSIONS: tuple[AdultExpression, ...] = get_args(AdultExpression)
+EXPRESSIONS: tuple[Expression, ...] = get_args(Expression)
+
+
+SkinTone = Literal["light", "fair", "medium", "tan", "brown", "dark"]
+HairColour = Literal["black", "dark", "brown", "light_brown", "blond", "red"]
+EyeColour = Literal["dark", "brown", "hazel", "green", "blue", "grey"]
+Clothes = Literal["bodysuit", "shirt_and_trousers", "trousers", "nappy"]
+
+BODYSUIT_UNTIL_MONTHS = 6.0
+"""Age from which a shirt and trousers are put on by default (D): children begin to sit and to creep."""
+
+
+class LooksSpec(Model):
+    """What the infant looks like; of its numbers, only those of pictures and skin depend on it."""
+
+    skin: SkinTone = "fair"
+    """Tone of the skin, from light to dark; lips, cheeks, ears and folds follow it."""
+    hair: HairColour = "brown"
+    """Colour of hair and brows."""
+    eyes: EyeColour = "blue"
+    """Colour of the irises."""
+    clothes: Clothes | None = None
+    """What the infant wears: a bodysuit, a shirt and trousers, trousers alone or a nappy; by default a bodysuit below 6
+    months of corrected age, and a shirt and trousers from then on. A growing infant keeps what it began with."""
+
+    def clothes_at(self, corrected_age_months: float) -> Clothes:
+        """Return what an infant of an age wears, counted from term if it was born before.
+
+        Example:
+            >>> from mimoc.schema.body import LooksSpec
+            >>> LooksSpec().clothes_at(3), LooksSpec().clothes_at(9), LooksSpec(clothes="nappy").clothes_at(9)
+            ('bodysuit', 'shirt_and_trousers', 'nappy')
+        """
+        by_age: Clothes = "bodysuit" if corrected_age_months < BODYSUIT_UNTIL_MONTHS else "shirt_and_trousers"
+        return self.clothes or by_age
 
 
 def _known_measurement(key: str) -> str:
@@ -84,10 +123,8 @@ INDICATORS: Mapping[str, str] = {
 }
 """What can be measured of an individual, by the names of WHO's standards, and the key of its percentile."""
 
-LENGTHS = ("length_cm", "length_percentile")
-"""What says how long an individual is."""
-FAT = ("fat_percentile", "fat_percent")
-"""Keys of an individual's fat, of which one may be given."""
+LENGTHS = ("length_cm", "length_percentile")  # What says how long an individual is.
+FAT = ("fat_percentile", "fat_percent")  # Keys of an individual's fat, of which one may be given.
 
 
 class IndividualSpec(Model):

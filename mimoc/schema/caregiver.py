@@ -7,9 +7,8 @@ from pydantic import Field, StringConstraints, model_validator
 
 from mimoc.base.units import to_steps
 from mimoc.schema.base import KeyedError, Model, omitting
-from mimoc.schema.body import PartName
+from mimoc.schema.body import AdultExpression, PartName
 from mimoc.schema.entries import Amount, Body, Duration, Geom, Label, Length, Material, Number, WeldName
-from mimoc.schema.expressions import AdultExpression
 from mimoc.schema.quantities import Centimetres, Identifier, Milliseconds, Real
 
 ActName = Literal[
@@ -30,10 +29,8 @@ ActName = Literal[
 class Act(NamedTuple):
     """What an act can be told."""
 
-    what: str | None = None
-    """The key of what it is about, which it needs."""
-    numbers: tuple[str, ...] = ()
-    """Keys of its numbers."""
+    what: str | None = None  # The key of what it is about, which it needs.
+    numbers: tuple[str, ...] = ()  # Keys of its numbers.
 
 
 ACTS: Mapping[str, Act] = {
@@ -94,19 +91,14 @@ class ActSpec(Model):
 
 
 def check_acts(script: Sequence[ActSpec]) -> None:
-    """Check that a script is in order of time.
-
-    Raises:
-        KeyedError: If it is not.
-    """
+    """Check that a script is in order of time; raise a KeyedError if it is not."""
     for number in range(1, len(script)):
         if script[number].at_s < script[number - 1].at_s:
             before = script[number - 1].at_s
             raise KeyedError(("script", number, "at_s"), f"the act before begins at {before:g} s; put them in order")
 
 
-Behaviour = Literal["kick", "gaze", "vocalisation", "touch"]
-"""What an infant does that can be answered."""
+Behaviour = Literal["kick", "gaze", "vocalisation", "touch"]  # What an infant does that can be answered.
 Place = Literal["in_front", "beside", "above"]
 Side = Literal["left", "right"]
 Seconds = Annotated[Real, Field(ge=0, le=100_000, json_schema_extra={"unit": "s"})]
@@ -173,11 +165,7 @@ class CaregiverSpec(Model):
 
 
 def check_times(spec: CaregiverSpec, timestep_ms: float) -> None:
-    """Check that the times of a caregiver are whole physics steps.
-
-    Raises:
-        KeyedError: If one is not.
-    """
+    """Check that the times of a caregiver are whole physics steps; raise a KeyedError if one is not."""
     times: list[tuple[tuple[str | int, ...], float]] = [
         (("script", number, "at_s"), 1000 * act.at_s) for number, act in enumerate(spec.script)
     ]

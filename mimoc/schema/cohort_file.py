@@ -249,14 +249,12 @@ def _of_one_child(factors: Mapping[str, Any]) -> Mapping[str, Any]:
     return factors
 
 
-Key = Annotated[str, StringConstraints(pattern="^[0-9a-f]{32}$")]
-"""Hash of all that determines the result of a job."""
+Key = Annotated[str, StringConstraints(pattern="^[0-9a-f]{32}$")]  # Hash of all that determines the result of a job.
 Measure = None | bool | Int64 | Real | str
 Factors = Annotated[Mapping[str, Plain], AfterValidator(_of_one_child)]
 
 
-MOST_BYTES = 2**20
-"""Of the file of a result; 1 MB. Those of mimoc's own steps have one kilobyte."""
+MOST_BYTES = 2**20  # Of the file of a result; 1 MB. Those of mimoc's own steps have one kilobyte.
 
 
 class MarkFile(Model):

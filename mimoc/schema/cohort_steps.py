@@ -16,8 +16,7 @@ from mimoc.schema.quantities import Distinct, Whole, among
 from mimoc.schema.wording import got
 
 MAX_SEEDS = 10_000
-FUNCTION = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
-"""A function of the user's own, as `module:function`."""
+FUNCTION = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")  # A function of the user's own, as `module:function`.
 
 
 def _without_separators(value: Any) -> Any:
@@ -215,8 +214,7 @@ class StepChoice(Model):
         return self
 
 
-WORDS = ("build", "check", "milestones", "run", "train")
-"""Steps that a word alone can ask for."""
+WORDS = ("build", "check", "milestones", "run", "train")  # Steps that a word alone can ask for.
 
 
 def _word(value: str) -> str:

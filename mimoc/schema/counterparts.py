@@ -10,10 +10,8 @@ from mimoc.schema.infant import InfantSpec, healthy
 from mimoc.schema.world import WorldPlan
 
 HEALTHY = "healthy"
-BESIDE = (HEALTHY,)
-"""Which counterparts can stand beside a child."""
-ELSEWHERE = {"name", "scene", "task"}
-"""Sections that say nothing of a body."""
+BESIDE = (HEALTHY,)  # Which counterparts can stand beside a child.
+ELSEWHERE = {"name", "scene", "task"}  # Sections that say nothing of a body.
 _SIDE = re.compile(r"(?<![A-Za-z])(left|right)(?![A-Za-z])")
 
 

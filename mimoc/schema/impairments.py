@@ -8,9 +8,8 @@ from pydantic import AfterValidator, Field, model_validator
 
 from mimoc.base.errors import suggestion
 from mimoc.schema.base import KeyedError, Model, given
-from mimoc.schema.names import SIDES
+from mimoc.schema.names import RANGED, REGIONS, SIDES, contradiction, known_movement, known_region
 from mimoc.schema.quantities import Degrees, Direction, Real, keys_among
-from mimoc.schema.regions import RANGED, REGIONS, contradiction, known_movement, known_region
 
 TERM_WEEKS, WEEKS_IN_A_MONTH = 40.0, 30.4375 / 7
 """Weeks of gestation from which ages are corrected (Engle 2004, Pediatrics 114: 1362), and weeks in a month."""
@@ -19,8 +18,7 @@ RegionName = Annotated[str, AfterValidator(known_region), Field(json_schema_extr
 MovementName = Annotated[str, AfterValidator(known_movement), Field(json_schema_extra={"enum": [*sorted(RANGED)]})]
 Share = Annotated[Real, Field(ge=0, le=1)]
 
-PRETERM_WEEKS = 37.0
-"""Weeks of gestation from which on a birth is at term (WHO)."""
+PRETERM_WEEKS = 37.0  # Weeks of gestation from which on a birth is at term (WHO).
 
 LIMBS = ("arm", "hand", "leg", "foot")
 DELAYED = (
@@ -65,12 +63,9 @@ class ToneSpec(Model):
 class Preset:
     """A disorder."""
 
-    about: str
-    """What it is, and where its figures are from."""
-    has_side: bool
-    """Whether it is of one side, `{side}` in the names of its regions."""
-    keys: Mapping[str, Any]
-    """Keys of the spec."""
+    about: str  # What it is, and where its figures are from.
+    has_side: bool  # Whether it is of one side, `{side}` in the names of its regions.
+    keys: Mapping[str, Any]  # Keys of the spec.
 
 
 PRESETS: Mapping[str, Preset] = {

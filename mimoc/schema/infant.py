@@ -10,9 +10,8 @@ from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, Va
 
 from mimoc.base.errors import SpecError
 from mimoc.base.rounding import rounded
-from mimoc.schema.base import changed, everything, given, plain, shown
+from mimoc.schema.base import changed, composed, everything, given, plain, shown
 from mimoc.schema.body import INDICATORS, BodySpec, IndividualSpec
-from mimoc.schema.composition import composed
 from mimoc.schema.names import unsided
 from mimoc.schema.plugins import load_plugins
 from mimoc.schema.reading import read_keys
@@ -21,8 +20,7 @@ from mimoc.schema.source import Source, in_memory, in_memory_as_text
 from mimoc.schema.spec import InfantKeys
 from mimoc.schema.task import task_field
 
-OLDEST_MONTHS = 24
-"""Last age of the growth tables."""
+OLDEST_MONTHS = 24  # Last age of the growth tables.
 
 
 def at_another_age(

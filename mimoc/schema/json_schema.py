@@ -19,13 +19,10 @@ FILES: Mapping[str, tuple[type[Model], str]] = {
     "world": (WorldSpec, "World file of mimoc"),
 }
 """Kinds of files: what describes them, and what they are called."""
-ABOUT = ("description", "default")
-"""Attributes that say something of a value, not which ones there are."""
-VERSION = 1
-"""Of the language: the value of the key `mimoc`."""
+ABOUT = ("description", "default")  # Attributes that say something of a value, not which ones there are.
+VERSION = 1  # Of the language: the value of the key `mimoc`.
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-NOTHING = {"type": "null"}
-"""What pydantic lets optional keys be; a file leaves them out instead."""
+NOTHING = {"type": "null"}  # What pydantic lets optional keys be; a file leaves them out instead.
 
 
 def json_schema(of: str = "infant") -> dict[str, Any]:

@@ -1,17 +1,21 @@
-"""Records of the kinds of components that an infant can have: all that mimoc must know of each, in one place.
+"""Components of each kind by name: what mimoc must know of each, those that come with it, and those of plug-ins.
 
-A record names the code of a component by module, so that each command imports only what it needs: the spec language is
+A component's record names its code by module, so that each command imports only what it needs: the spec language is
 known without the compiler, and a bundle is opened without it.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from mimoc.base.kinds import Code
+from mimoc.base.kinds import Code, Component, Registry
 
 if TYPE_CHECKING:  # The names of kinds are known before pydantic is.
     from mimoc.schema.base import Model
+
+
+AGES_MONTHS = (0.0, 1.0, 3.0, 6.0, 12.0, 24.0)  # The ages at which conduction times are given.
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +40,7 @@ class NoiseOption:
     most: float
     """Largest number that makes sense."""
     run: Code
-    """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples (`mimoc/runtime/noise/noise.py`)."""
+    """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples (`mimoc/runtime/noise.py`)."""
     by_age: tuple[tuple[float, float], ...] = ()
     """Amounts by age in months, between which it is interpolated, where a spec can say `age`, or `adult`."""
     adult: float = 0.0
@@ -45,12 +49,12 @@ class NoiseOption:
     """Where these come from."""
     low_pass_ms: float | None = None
     """Time constant of amounts by age, where it is not that of all noise."""
-    is_recent: bool = False
+    omit_if_absent: bool = False
     """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
 
 
 @dataclass(frozen=True, slots=True)
-class SenseKind:
+class SenseKind(Component):
     """A sense."""
 
     name: str
@@ -74,14 +78,14 @@ class SenseKind:
     many: Code | None = None
     """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
     it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
-    is_recent: bool = False
+    omit_if_absent: bool = False
     """Whether the bundles of infants without it leave it out, so that they are as they were before there was it."""
     device: Code | None = None
     """`bind(setup) -> DeviceReader` (`mimoc/runtime/device/signals.py`): what reads it on a device if it is no term."""
 
 
 @dataclass(frozen=True, slots=True)
-class ActuationKind:
+class ActuationKind(Component):
     """An actuation model."""
 
     name: str
@@ -99,7 +103,7 @@ class ActuationKind:
 
 
 @dataclass(frozen=True, slots=True)
-class TaskKind:
+class TaskKind(Component):
     """A task."""
 
     name: str
@@ -124,7 +128,7 @@ class TaskKind:
 
 
 @dataclass(frozen=True, slots=True)
-class SceneKind:
+class SceneKind(Component):
     """A kind of scene."""
 
     name: str
@@ -144,7 +148,7 @@ class SceneKind:
 
 
 @dataclass(frozen=True, slots=True)
-class ToySource:
+class ToySource(Component):
     """A source of toys."""
 
     name: str
@@ -160,7 +164,7 @@ class ToySource:
 
 
 @dataclass(frozen=True, slots=True)
-class ObjectKind:
+class ObjectKind(Component):
     """A kind of objects in the infant's scene."""
 
     name: str
@@ -168,7 +172,7 @@ class ObjectKind:
     about: str
     """One sentence for help."""
     spec: "type[Model]"
-    """What a user can ask of it: an `ObjectSpec` (`mimoc/schema/object_base.py`) with `kind: Literal[name]`."""
+    """What a user can ask of it: an `ObjectSpec` (`mimoc/schema/objects.py`) with `kind: Literal[name]`."""
     build: Code
     """`build(spec, surroundings) -> BuiltObject`: what it is made of, in a frame of its own, before it is placed."""
     start: Code | None = None
@@ -181,7 +185,7 @@ class ObjectKind:
 
 
 @dataclass(frozen=True, slots=True)
-class PolicyKind:
+class PolicyKind(Component):
     """A policy that needs no training."""
 
     name: str
@@ -195,7 +199,7 @@ class PolicyKind:
     """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing. In square
     brackets, it may be left out: then `bind(env)` is called."""
     many: Code | None = None
-    """`bind_many(batch) -> BatchPolicy`, or `bind_many(batch, text)`: the same for many infants (`policies/batch.py`),
+    """`bind_many(batch) -> BatchPolicy`, or `bind_many(batch, text)`: the same for many infants (`policies/policy.py`),
     also on a device. None: on the CPU, one infant after another; on a device, not at all."""
     is_behaviour: bool = False
     """Whether it is a behaviour: `run` is `bind(subject) -> Behaviour` (`mimoc/policies/behaviours/behaviour.py`), and
@@ -203,7 +207,7 @@ class PolicyKind:
 
 
 @dataclass(frozen=True, slots=True)
-class ExporterKind:
+class ExporterKind(Component):
     """A format that recordings are exported to."""
 
     name: str
@@ -219,7 +223,7 @@ class ExporterKind:
 
 
 @dataclass(frozen=True, slots=True)
-class MotionFormat:
+class MotionFormat(Component):
     """A format in which points on filmed infants are recorded."""
 
     name: str
@@ -230,8 +234,177 @@ class MotionFormat:
     """`recognise(path) -> bool`: whether a file or folder looks like it, from names and the first bytes only."""
     read: Code
     """`read(path, options) -> PointRecording`, its names the labels of the file, its rate NaN if that says none.
-    *options* are `mimoc.motion.options.ReadOptions`; an `UnusableFileError` says what follows the path in an error."""
+    *options* are `mimoc.motion.point_recording.ReadOptions`; an `UnusableFileError` says what follows the path in an
+    error."""
 
 
-AGES_MONTHS = (0.0, 1.0, 3.0, 6.0, 12.0, 24.0)
-"""The ages at which conduction times are given."""
+_IN = "mimoc.components"
+
+SENSES = Registry(
+    SenseKind,
+    "sense",
+    {name: f"{_IN}.senses.{name}" for name in ("proprioception", "vestibular", "touch", "vision", "hearing", "pain")},
+)
+"""In the order of the observation."""
+
+_ACTUATIONS = {
+    "torque": "Torque on a spring and damper at each joint.",
+    "muscle": "Two antagonistic muscles for each joint.",
+    "position": "Servos that hold a commanded angle with the strength of muscles.",
+}
+ACTUATIONS = Registry(
+    ActuationKind,
+    "actuation model",
+    {
+        name: ActuationKind(
+            name,
+            about,
+            f"{_IN}.actuation.{name}",
+            f"{_IN}.actuation.run:bind_{name}",
+            command_is_effort=name != "position",
+        )
+        for name, about in _ACTUATIONS.items()
+    },
+)
+
+SKILLS = ("roll", "sit_up", "sit", "crawl", "pull_to_stand", "stand", "cruise", "walk", "grasp")
+"""Tasks that are motor skills of infants, in the order in which they come; see `mimoc.components.tasks.skills`."""
+TASKS = Registry(
+    TaskKind,
+    "task",
+    {
+        **{name: f"{_IN}.tasks.{name}" for name in ("reach", "standup", "selfbody", "catch", "rollover")},
+        **{name: f"{_IN}.tasks.skills:{name.upper()}" for name in SKILLS},
+        "free": f"{_IN}.tasks.free",
+    },
+)
+
+SCENES = Registry(
+    SceneKind,
+    "kind of scene",
+    {
+        "empty": SceneKind(
+            "empty",
+            "Nothing at all: no floor and no gravity.",
+            f"{_IN}.scenes.plain:build_empty",
+            has_floor=False,
+            needs_footprint=False,
+            varies=False,
+        ),
+        "flat": SceneKind(
+            "flat", "An endless floor.", f"{_IN}.scenes.plain:build_flat", needs_footprint=False, varies=False
+        ),
+        "crib": SceneKind("crib", "A crib that fits the infant.", f"{_IN}.scenes.crib", varies=False),
+        "room": f"{_IN}.scenes.room",
+    },
+)
+
+TOY_SOURCES = Registry(
+    ToySource,
+    "source of toys",
+    {
+        "builtin": ToySource("builtin", "The toys that come with mimoc.", f"{_IN}.toys.builtin"),
+        "toys4k": ToySource(
+            "toys4k",
+            "The toys of the Toys4K data set, or other meshes in a folder.",
+            f"{_IN}.toys.toys4k.build",
+            needs_root=True,
+        ),
+    },
+)
+
+_FURNITURE = ("mat", "seat", "rail", "table", "stairs", "slope", "wall", "screen", "water")
+OBJECTS = Registry(
+    ObjectKind,
+    "kind of object",
+    {
+        **{name: f"{_IN}.objects.{name}" for name in ("shape", "mobile")},
+        **{name: f"{_IN}.objects.furniture:{name.upper()}" for name in _FURNITURE},
+    },
+)
+
+COMPANIONS: Mapping[str, Code] = {"caregiver": f"{_IN}.companions.caregiver.run"}
+"""`bind() -> Companion`, or the module that has it. An infant has one if its manifest has an entry of that name."""
+
+RECORDING: Code = "mimoc.recording.folder"
+"""`read_infant(path) -> Bundle`: what a recording, a folder that is no bundle, is of; or the module that has it."""
+
+_behaviour = partial(PolicyKind, is_behaviour=True)
+_POLICIES = "mimoc.policies"
+_BEHAVIOURS = f"{_POLICIES}.behaviours"
+POLICIES = Registry(
+    PolicyKind,
+    "policy",
+    (
+        PolicyKind(
+            "random",
+            "draws every command uniformly from its range",
+            f"{_POLICIES}.random",
+            many=f"{_POLICIES}.random",
+        ),
+        PolicyKind("zero", "commands zero", f"{_POLICIES}.zero", many=f"{_POLICIES}.zero"),
+        PolicyKind("reach", "reaches by inverse dynamics; not for servos", f"{_POLICIES}.reach"),
+        PolicyKind(
+            "general_movements",
+            "moves by itself as infants of its age do",
+            f"{_POLICIES}.general_movements.generator",
+            many=f"{_POLICIES}.general_movements.generator",
+        ),
+        PolicyKind(
+            "reflexes",
+            "has the reflexes of its age, or, by months, of a child that is later",
+            f"{_POLICIES}.reflexes.binding",
+            "[MONTHS]",
+            many=f"{_POLICIES}.reflexes.binding",
+        ),
+        PolicyKind(
+            "skill",
+            "does what was found for a skill, such as roll, or what is in a file of `mimoc skill`",
+            f"{_POLICIES}.skill",
+            "NAME",
+        ),
+        PolicyKind("motion", "follows a recorded motion; not for servos", f"{_POLICIES}.motion", "DIR"),
+        _behaviour("hold", "keeps the pose of the start", f"{_BEHAVIOURS}.hold"),
+        _behaviour("sit", "sits without support", f"{_BEHAVIOURS}.sit", "[OPTIONS]"),
+        _behaviour("prone", "lies on its forearms, head up", f"{_BEHAVIOURS}.prone"),
+        _behaviour("hands_and_knees", "keeps on hands and knees", f"{_BEHAVIOURS}.hands_and_knees", "[OPTIONS]"),
+        _behaviour("stand", "stands alone", f"{_BEHAVIOURS}.stand", "[OPTIONS]"),
+        _behaviour("kick", "kicks on its back", f"{_BEHAVIOURS}.kick", "[LEG]"),
+        _behaviour(
+            "look_at", "looks at a toy, a part of a body, another infant or a place", f"{_BEHAVIOURS}.look", "TARGET"
+        ),
+        _behaviour("reach_for", "reaches for one with a hand", f"{_BEHAVIOURS}.reach", "TARGET[,HAND]"),
+    ),
+)
+
+_EXPORTERS = "mimoc.recording.exporters"
+EXPORTERS = Registry(
+    ExporterKind,
+    "format of recordings",
+    (
+        ExporterKind("minari", "needs `mimoc[minari]`", f"{_EXPORTERS}.minari", is_uniform=True),
+        ExporterKind("lerobot", "version 3", f"{_EXPORTERS}.lerobot", is_uniform=True),
+        ExporterKind("mjlab", "motions for its tracking tasks", f"{_EXPORTERS}.mjlab"),
+        ExporterKind("csv", "tidy tables of text", f"{_EXPORTERS}.tables:export_csv"),
+        ExporterKind("parquet", "the same tables", f"{_EXPORTERS}.tables:export_parquet"),
+    ),
+)
+
+_FORMATS = {
+    "openpose": "folder of OpenPose's JSON, a file for each frame: BODY_25 or COCO-18",
+    "mediapipe": "landmarks of MediaPipe, as shares of the picture or in metres: CSV or JSON",
+    "coco": "JSON of COCO-17 keypoints: a folder of frames, or one file with all (MMPose, ViTPose, AlphaPose, YOLO)",
+    "mini_rgbd": "folder of MINI-RGBD: 2D joints with depth, or 3D joints",
+    "csv": "table of named points: wide, long, DeepLabCut's, or public keypoints of MINI-RGBD",
+    "npz": "arrays, as mimoc writes them",
+    "c3d": "markers of motion capture",
+}
+FORMATS = Registry(
+    MotionFormat,
+    "format of recorded points",
+    {
+        name: MotionFormat(name, about, f"mimoc.motion.read_{name}", f"mimoc.motion.read_{name}")
+        for name, about in _FORMATS.items()
+    },
+)
+"""Formats that recordings of points are read from, in the order in which they are tried."""

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from mimoc.schema.base import KeyPath, Model
-from mimoc.schema.composition import on_recompose
+from mimoc.schema.base import KeyPath, Model, on_recompose
 
 NO_KINDS: Mapping[KeyPath, str] = {}
 
@@ -15,10 +14,8 @@ NO_KINDS: Mapping[KeyPath, str] = {}
 class Outline:
     """Description of one value of the spec language."""
 
-    schema: dict[str, Any]
-    """Its JSON schema."""
-    unit: str | None = None
-    """Its unit or that of its items, as written in suffixes of names."""
+    schema: dict[str, Any]  # Its JSON schema.
+    unit: str | None = None  # Its unit or that of its items, as written in suffixes of names.
 
     @property
     def type(self) -> str:
@@ -47,8 +44,7 @@ class Outline:
 class Language:
     """The keys and values that files of one kind may have."""
 
-    schema: dict[str, Any]
-    """The JSON schema of a file."""
+    schema: dict[str, Any]  # The JSON schema of a file.
 
     def outline(self, path: KeyPath, kinds: Mapping[KeyPath, str] = NO_KINDS) -> Outline:
         """Return the description of the value at a path, which is empty for an unknown path.

@@ -1,66 +1,41 @@
-"""Kinds that others add: by entry points of installed distributions, or by a script."""
+"""Components that others add: by entry points of installed distributions, or by a script."""
 
 import signal
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
 from functools import cache
 from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from types import FrameType
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from mimoc.anatomy.part import PartKind, ReferencePart
-from mimoc.anatomy.parts import PARTS
-from mimoc.anatomy.parts.checking import check_parts
+from mimoc.anatomy.parts import PARTS, check_parts
 from mimoc.base.errors import KindError
-from mimoc.base.kinds import PLUGINS_VARIABLE, Code, Kinds, installed_entry_points
-from mimoc.base.quantities import QUANTITIES, Quantity
-from mimoc.schema import kinds
-from mimoc.schema.base import Model
-from mimoc.schema.components.actuation import ACTUATIONS
-from mimoc.schema.components.exporters import EXPORTERS
-from mimoc.schema.components.motion import FORMATS
-from mimoc.schema.components.objects import OBJECTS
-from mimoc.schema.components.policies import POLICIES
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.components.toys import TOY_SOURCES
-from mimoc.schema.composition import recompose
+from mimoc.base.kinds import PLUGINS_VARIABLE, Code, Component, Registry, installed_entry_points
+from mimoc.base.quantities import QUANTITIES
+from mimoc.schema.base import Model, recompose
+from mimoc.schema.kinds import ACTUATIONS, EXPORTERS, FORMATS, OBJECTS, POLICIES, SCENES, SENSES, TASKS, TOY_SOURCES
 
-Record = (
-    kinds.SenseKind
-    | kinds.ActuationKind
-    | kinds.TaskKind
-    | kinds.SceneKind
-    | kinds.ToySource
-    | kinds.ObjectKind
-    | PartKind
-    | kinds.PolicyKind
-    | kinds.ExporterKind
-    | kinds.MotionFormat
-    | Quantity
-)
-
-KINDS: dict[str, tuple[type, Kinds]] = {
-    "mimoc.senses": (kinds.SenseKind, SENSES),
-    "mimoc.actuation": (kinds.ActuationKind, ACTUATIONS),
-    "mimoc.tasks": (kinds.TaskKind, TASKS),
-    "mimoc.scenes": (kinds.SceneKind, SCENES),
-    "mimoc.toys": (kinds.ToySource, TOY_SOURCES),
-    "mimoc.objects": (kinds.ObjectKind, OBJECTS),
-    "mimoc.parts": (PartKind, PARTS),
-    "mimoc.policies": (kinds.PolicyKind, POLICIES),
-    "mimoc.quantities": (Quantity, QUANTITIES),
-    "mimoc.exporters": (kinds.ExporterKind, EXPORTERS),
-    "mimoc.motion": (kinds.MotionFormat, FORMATS),
+GROUPS: Mapping[str, Registry[Any]] = {
+    "mimoc.senses": SENSES,
+    "mimoc.actuation": ACTUATIONS,
+    "mimoc.tasks": TASKS,
+    "mimoc.scenes": SCENES,
+    "mimoc.toys": TOY_SOURCES,
+    "mimoc.objects": OBJECTS,
+    "mimoc.parts": PARTS,
+    "mimoc.policies": POLICIES,
+    "mimoc.quantities": QUANTITIES,
+    "mimoc.exporters": EXPORTERS,
+    "mimoc.motion": FORMATS,
 }
-"""The class and the table of records, by group of entry points."""
+"""The components that plug-ins can add, by group of entry points."""
 IMPORT_LIMIT_S = 60.0
 """Wall-clock time that a plug-in's import may take: an assumption, ten times what a first import of PyTorch takes."""
 
@@ -69,7 +44,7 @@ class _ImportTimeoutError(BaseException):
     """The import of a plug-in takes too long; not an `Exception`, which the plug-in's own code might catch."""
 
 
-def register(*records: Record) -> None:
+def register(*records: Component) -> None:
     """Add kinds from a script: from now on specs, bundles and commands of this process know them.
 
     Args:
@@ -96,12 +71,12 @@ def register(*records: Record) -> None:
 @cache
 def load_plugins() -> None:
     """Add the kinds of all installed distributions, once; one that cannot be loaded is a warning."""
-    for group in KINDS:
+    for group in GROUPS:
         for entry_point in sorted(installed_entry_points().select(group=group), key=lambda point: point.name):
             _load(entry_point)
 
 
-def _add(record: Record, table: Kinds, distribution: str = "") -> None:
+def _add(record: Component, table: Registry[Any], distribution: str = "") -> None:
     """Add a record to its table and to the sections that depend on it, or to none of them."""
     _check_fields(record)
     if isinstance(record, PartKind):
@@ -115,7 +90,7 @@ def _add(record: Record, table: Kinds, distribution: str = "") -> None:
         raise KindError(f"the {table.what} '{record.name}' does not fit into the spec language: {error}") from error
 
 
-def _check_fields(record: Record) -> None:
+def _check_fields(record: Component) -> None:
     """Check that each field of a record has its type, and that the modules it names exist."""
     types = get_type_hints(type(record), localns={"Model": Model, "ReferencePart": ReferencePart})
     for field in fields(record):
@@ -125,7 +100,7 @@ def _check_fields(record: Record) -> None:
         except ValidationError as error:
             reason = error.errors()[0]["msg"]
             raise KindError(f"{key} is {value!r:.60}: {reason[0].lower()}{reason[1:]}") from None
-        if types[field.name] == Code and isinstance(value, str) and not _exists(value):
+        if types[field.name] == Code and isinstance(value, str) and not _exists(value.partition(":")[0]):
             raise KindError(f"{key} names the module '{value}', which does not exist")
 
 
@@ -143,7 +118,7 @@ def _load(entry_point: EntryPoint) -> None:
         with _time_limit():
             record = entry_point.load()
         table = _table_of(record)
-        if table is not KINDS[entry_point.group][1]:
+        if table is not GROUPS[entry_point.group]:
             raise KindError(f"it is a {table.what}, which does not belong to the group '{entry_point.group}'")
         _add(record, table, distribution)
     except _ImportTimeoutError:
@@ -176,9 +151,9 @@ def _time_out(_signal: int, _frame: FrameType | None) -> None:
     raise _ImportTimeoutError
 
 
-def _table_of(record: Record) -> Kinds:
-    for kind, table in KINDS.values():
-        if isinstance(record, kind):
+def _table_of(record: Component) -> Registry[Any]:
+    for table in GROUPS.values():
+        if isinstance(record, table.record):
             return table
-    names = ", ".join(kind.__name__ for kind, _ in KINDS.values())
+    names = ", ".join(table.record.__name__ for table in GROUPS.values())
     raise KindError(f"{record!r} is no record of a kind; pass one of {names}")

@@ -29,12 +29,10 @@ Percentile = Annotated[
 ]
 """Percentile of the WHO Child Growth Standards; of a child that is farther out, give the measurement."""
 
-Direction = Literal["left", "right", "up", "down"]
-"""A side of the line of sight."""
+Direction = Literal["left", "right", "up", "down"]  # A side of the line of sight.
 
 LAST_MONTH = 24
-Age = Annotated[Months, Field(le=LAST_MONTH)]
-"""Ages at which infants can be built."""
+Age = Annotated[Months, Field(le=LAST_MONTH)]  # Ages at which infants can be built.
 
 Identifier = Annotated[str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64)]
 """Name of an infant or of a cohort."""
@@ -67,8 +65,7 @@ def _distinct(names: Sequence[str]) -> Sequence[str]:
     return names
 
 
-Rising = AfterValidator(_rising)
-"""Marks two numbers as a range, the lowest first."""
+Rising = AfterValidator(_rising)  # Marks two numbers as a range, the lowest first.
 Distinct = Field(json_schema_extra={"uniqueItems": True}), AfterValidator(_distinct)
 """Mark a list in which no name may be repeated."""
 

@@ -6,13 +6,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from mimoc.schema.base import KeyedError, KeyPath, Model, omitting
+from mimoc.schema.base import ComposedModel, KeyedError, KeyPath, Model, choice_field, composed, omitting, own_sections
 from mimoc.schema.body import PartName
 from mimoc.schema.caregiver import CaregiverSpec
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.composition import ComposedModel, choice_field, composed, own_sections
-from mimoc.schema.object_base import ObjectSpec
-from mimoc.schema.objects import check_names, check_start, objects_field
+from mimoc.schema.kinds import SCENES
+from mimoc.schema.objects import ObjectSpec, check_names, check_start, objects_field
 from mimoc.schema.quantities import Distinct, Identifier, PathText, Whole
 from mimoc.schema.toys import ToysSpec
 

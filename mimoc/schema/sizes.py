@@ -24,12 +24,9 @@ class Naming:
     """A key of a spec that names a size, or several."""
 
     path: KeyPath
-    value: float
-    """In cm or kg; or a percentile."""
-    sizes: frozenset[str]
-    """Names of measurements, those of limbs with their side; `weight_kg` is the weight."""
-    percentile_of: str = ""
-    """The measure whose percentile this is, by the name of its key; empty if it is none."""
+    value: float  # In cm or kg; or a percentile.
+    sizes: frozenset[str]  # Names of measurements, those of limbs with their side; `weight_kg` is the weight.
+    percentile_of: str = ""  # The measure whose percentile this is, by the name of its key; empty if it is none.
 
     def is_side_of(self, other: "Naming") -> bool:
         """Whether it is of one side of what another one is of, where it counts in its place."""

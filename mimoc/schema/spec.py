@@ -11,25 +11,18 @@ from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import suggestion
 from mimoc.base.units import to_steps
 from mimoc.schema.actuation import ActuationSpec
-from mimoc.schema.base import KeyedError, KeyPath, Model
-from mimoc.schema.body import BodySpec
+from mimoc.schema.base import KeyedError, KeyPath, Model, composed
+from mimoc.schema.body import BodySpec, Clothes
 from mimoc.schema.caregiver import check_times
-from mimoc.schema.components.actuation import ACTUATIONS
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.composition import composed
-from mimoc.schema.delays import DelaysSpec
 from mimoc.schema.impairments import ImpairmentsSpec
-from mimoc.schema.looks import Clothes
+from mimoc.schema.kinds import ACTUATIONS, SENSES, TASKS
 from mimoc.schema.names import SIDES, Development, single_groups, unsided
-from mimoc.schema.noise import NoiseSpec, check_noise
 from mimoc.schema.quantities import Age, Identifier, Milliseconds, version_one
 from mimoc.schema.reading import FileModel
 from mimoc.schema.scene import SceneSpec, infants_named
-from mimoc.schema.senses import SensesSpec
+from mimoc.schema.senses import DelaysSpec, NoiseSpec, SensesSpec, check_noise
 from mimoc.schema.sizes import check_sizes
-from mimoc.schema.task import task_field
-from mimoc.schema.task_base import TaskSpec
+from mimoc.schema.task import TaskSpec, task_field
 
 
 def parts_left(body: BodySpec) -> dict[str, str]:

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mimoc.schema.base import KeyPath
+from mimoc.schema.body import LooksSpec
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.looks import LooksSpec
 from mimoc.schema.outline import Language, language_of
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.source import dump
 
-COLUMN = 40
-"""Where comments begin."""
+COLUMN = 40  # Where comments begin.
 
 
 @dataclass(frozen=True)
@@ -25,13 +24,10 @@ class Choices:
     senses: Sequence[str] = ("proprioception", "vestibular")
     scene: str = "flat"
     pose: str = "supine"
-    held: str | None = None
-    """A body that somebody holds where it is."""
+    held: str | None = None  # A body that somebody holds where it is.
     task: str | None = None
-    impairment: str | None = None
-    """A preset of the impairments."""
-    side: str | None = None
-    """Its side, if it has one."""
+    impairment: str | None = None  # A preset of the impairments.
+    side: str | None = None  # Its side, if it has one.
 
 
 def offered() -> dict[str, Sequence[str]]:

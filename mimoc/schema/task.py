@@ -1,4 +1,4 @@
-"""The `task` of a spec and of a manifest: one of the registered tasks."""
+"""The `task` of a spec and of a manifest: base sections of all tasks, and the field that holds one of them."""
 
 from functools import reduce
 from operator import or_
@@ -7,8 +7,48 @@ from typing import Annotated, Any, cast
 from pydantic import Field
 from pydantic.fields import FieldInfo
 
-from mimoc.schema.components.tasks import TASKS
-from mimoc.schema.task_base import TaskEntry
+from mimoc.schema.base import Model
+from mimoc.schema.entries import Body, FreeJoint, Geom, Hinge, Steps
+from mimoc.schema.kinds import TASKS
+from mimoc.schema.quantities import Whole
+
+
+class TaskSpec(Model):
+    """A task: its goal, reward and termination."""
+
+    kind: Any
+    """Name of the task, as a `Literal`."""
+    steps: Annotated[Whole, Field(ge=1, le=10**9)] | None = None
+    """Control steps of an episode; by default as many as last as long as MIMo's task, and unlimited for `free`."""
+
+
+class TaskEntry(Model):
+    """What the runtime must know of a task."""
+
+    kind: Any
+    """Name of the task, as a `Literal`."""
+    steps: Steps | None
+    """Control steps after which an episode is truncated; None for never."""
+
+
+class BallEntry(Model):
+    """The ball of a task."""
+
+    body: Body
+    """Name of its body in the model."""
+    joint: FreeJoint
+    """Its free joint."""
+    geom: Geom
+    """Its only geom, a sphere."""
+
+
+class GazeEntry(Model):
+    """A joint that turns the head or an eye towards a target."""
+
+    joint: Hinge
+    """The hinge, which is locked at the angle that points the gaze at the target."""
+    looker: Body
+    """The body whose x axis is to point at the target."""
 
 
 def task_field() -> FieldInfo:

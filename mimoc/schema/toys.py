@@ -5,9 +5,8 @@ from typing import Annotated, Self
 from pydantic import Field, StringConstraints, model_validator
 from pydantic.fields import FieldInfo
 
-from mimoc.schema.base import KeyedError, Model
-from mimoc.schema.components.toys import TOY_SOURCES
-from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.base import KeyedError, Model, choice_field, composed, own_sections
+from mimoc.schema.kinds import TOY_SOURCES
 from mimoc.schema.quantities import Centimetres, Distinct, Identifier, PathText, Rising, Whole
 
 ToyCount = Annotated[Whole, Field(ge=0, le=50)]

@@ -26,10 +26,8 @@ _UNIT_SUFFIX = re.compile(
     "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels|n)$"
 )
 _WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
-_MISSPELT = 0.85
-"""Similarity (`difflib`) from which an unknown key counts as a misspelling of a key of its section."""
-ONE_OF_SEVERAL = "infant"
-"""A key of sections in a scene that only worlds with several infants have."""
+_MISSPELT = 0.85  # Similarity (`difflib`) from which an unknown key counts as a misspelling of a key of its section.
+ONE_OF_SEVERAL = "infant"  # A key of sections in a scene that only worlds with several infants have.
 _SYNONYMS = {"girl": "female", "f": "female", "woman": "female", "boy": "male", "m": "male", "man": "male"}
 """Words that users write for a choice that is spelt quite differently."""
 _PERCENTILE = re.compile(r"\s*p?\s*([0-9]+(?:\.[0-9]+)?)\s*(?:%|st|nd|rd|th)?(?:\s*percentile)?\s*", re.IGNORECASE)
@@ -50,10 +48,8 @@ class Fault:
 
     path: KeyPath
     at: Literal["key", "value"]
-    message: str
-    """What is wrong; what to do."""
-    against: KeyPath = ()
-    """Another key that it contradicts."""
+    message: str  # What is wrong; what to do.
+    against: KeyPath = ()  # Another key that it contradicts.
 
 
 def fault(details: ErrorDetails, data: dict[str, Any], language: Language) -> Fault:

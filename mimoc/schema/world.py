@@ -22,8 +22,7 @@ from mimoc.schema.spec import parts_left
 
 WORLD = FileKind("world file", "mimoc, name and infants", "infants: [anna.yaml, ben.yaml]")
 MOST_INFANTS = 8
-LONGEST_NAME = 16
-"""Letters of an infant's name in a world: MuJoCo's files of skins have 40 for it and that of a body."""
+LONGEST_NAME = 16  # Letters of an infant's name in a world: MuJoCo's files of skins have 40 for it and that of a body.
 INFANTS = "infants"
 Position = Annotated[Real, Field(ge=-500, le=500, json_schema_extra={"unit": "cm"})]
 InfantName = Annotated[Identifier, StringConstraints(max_length=LONGEST_NAME)]
@@ -112,8 +111,7 @@ class WorldPlan:
     """A world with the specs of its infants."""
 
     spec: WorldSpec
-    infants: Mapping[str, InfantSpec]
-    """By their names in the world, in the order of the file."""
+    infants: Mapping[str, InfantSpec]  # By their names in the world, in the order of the file.
 
     @property
     def written(self) -> Source:

@@ -9,11 +9,12 @@ from mimoc.base.errors import MissingExtraError
 from mimoc.base.lazy import names_of
 
 if TYPE_CHECKING:
-    from mimoc.training.agents import torch_devices as torch_devices
+    from mimoc.training.agents import (
+        load_agent as load_agent,
+        torch_devices as torch_devices,
+    )
     from mimoc.training.curve import Curve as Curve, CurvePoint as CurvePoint
-    from mimoc.training.evaluation import Episode as Episode, evaluate as evaluate
-    from mimoc.training.loading import load_policy as load_policy
-    from mimoc.training.policies import TrainedPolicy as TrainedPolicy, load_agent as load_agent
+    from mimoc.training.evaluation import Episode as Episode, evaluate as evaluate, load_policy as load_policy
     from mimoc.training.trainer import Training as Training, train as train
     from mimoc.training.vector_env import (
         InfantVecEnv as InfantVecEnv,

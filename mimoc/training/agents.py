@@ -1,7 +1,13 @@
 """Stable-Baselines3's PPO and SAC, as mimoc configures them."""
 
+import io
+import json
+import math
+import zipfile
 from collections.abc import Callable, Mapping
+from functools import partial
 from operator import attrgetter
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +20,25 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
-from mimoc.training.settings import Number, TrainingSettings
+from mimoc.base.errors import PolicyError
+from mimoc.bundle.arrays import pack_arrays
+from mimoc.policies.policy import Policy, PolicyMaker
+from mimoc.policies.policy_file import (
+    ABOUT,
+    DAMAGED,
+    NOT_A_POLICY,
+    OF_AGENT,
+    WEIGHTS,
+    PolicyFile,
+    TrainedPolicy,
+    check_fits,
+    interface_of,
+    spaces_of,
+)
+from mimoc.runtime.infant import Infant
+from mimoc.runtime.sense import Observation
+from mimoc.training.settings import Number, TrainingSettings, complete
+from mimoc.training.vector_env import normalized_names, statistics
 
 _PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),
@@ -72,11 +96,6 @@ def start_interval(agent: BaseAlgorithm, seed: int) -> None:
     agent._last_obs = None  # Makes `learn` reset the environments.
 
 
-def has_learnt(agent: BaseAlgorithm) -> bool:
-    """Return whether an agent has been updated since it was made or restored."""
-    return agent._n_updates > 0  # pyright: ignore[reportAttributeAccessIssue] - Of on- and off-policy algorithms.
-
-
 def weights_of(module: torch.nn.Module) -> dict[str, np.ndarray]:
     """Return the weights of a network, by their names in it."""
     return {name: tensor.numpy(force=True) for name, tensor in module.state_dict().items()}
@@ -128,8 +147,7 @@ def restore_state(modules: Modules, state: Mapping[str, np.ndarray]) -> None:
             set_weights(module, part)
 
 
-ADAM = ("step", "exp_avg", "exp_avg_sq")
-"""What PyTorch's Adam, which all agents learn with, knows of a parameter."""
+ADAM = ("step", "exp_avg", "exp_avg_sq")  # What PyTorch's Adam, which all agents learn with, knows of a parameter.
 
 
 def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Mapping[str, np.ndarray]) -> None:
@@ -150,3 +168,89 @@ def _learnt(agent: BaseAlgorithm) -> "tuple[dict[str, torch.nn.Module | torch.op
 
 def _network(hyper: Mapping[str, Number]) -> dict[str, Any]:
     return {"net_arch": [int(hyper["width"])] * int(hyper["layers"])}
+
+
+SCALE = "scale.npz"
+"""The file in a policy archive with the statistics of the observations. What mimoc does not read is for
+Stable-Baselines3, whose `load` accepts the archive too and unpickles it; mimoc never does."""
+OF_TORCH = "policy.pth"  # The weights, for Stable-Baselines3.
+
+
+def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: Infant) -> bytes:
+    """Return the content of an agent's policy file, for `load_policy`."""
+    content = io.BytesIO()
+    agent.save(content)
+    about = {
+        "policy": OF_AGENT,
+        "infant": env.manifest.name,
+        "steps": agent.num_timesteps,
+        "settings": settings.data(),
+        **interface_of(env),
+    }
+    with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(ABOUT, json.dumps(about, indent=1))
+        archive.writestr(SCALE, pack_arrays(statistics(vector_env)))
+        archive.writestr(WEIGHTS, pack_arrays(weights_of(agent.policy)), zipfile.ZIP_STORED)
+    return content.getvalue()
+
+
+def load_agent(file: PolicyFile) -> PolicyMaker:
+    """Return the policy in a file of one that was trained by Stable-Baselines3.
+
+    The returned function raises a PolicyError for an infant whose observations or actuators differ from those of the
+    trained infant.
+
+    Raises:
+        PolicyError: If it is damaged.
+    """
+    path, about = file.path, file.about
+    try:
+        known, weights = file.arrays(SCALE), file.arrays(WEIGHTS)
+        if not all(np.isfinite(array).all() for array in (*known.values(), *weights.values())):
+            raise ValueError("numbers that are not finite")
+        hyper = complete(about["settings"]["algo"], about["settings"]["hyper"])
+    except DAMAGED:
+        raise PolicyError(f"{path}: {NOT_A_POLICY}") from None
+    return lambda env: _bind(path, about, hyper, known, weights, env)
+
+
+def _bind(
+    path: Path,
+    about: dict[str, Any],
+    hyper: Mapping[str, Any],
+    known: Mapping[str, np.ndarray],
+    weights: Mapping[str, np.ndarray],
+    env: Infant,
+) -> Policy:
+    check_fits(path, about, interface_of(env))
+    scale = dict[str, tuple[np.ndarray, np.ndarray]]()
+    try:
+        width, layers = int(hyper["width"]), int(hyper["layers"])
+        inputs = sum(math.prod(space.shape) for space in spaces_of(env).values() if len(space.shape) == 1)
+        if width * (inputs + width * (layers - 1)) > sum(array.size for array in weights.values()):
+            raise ValueError("fewer weights than its layers have")
+        network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
+        set_weights(network, weights)
+        for name in normalized_names(env.observation_space):
+            mean, variance = known[f"{name}.mean"], np.maximum(known[f"{name}.var"], 0.0)
+            if not mean.shape == variance.shape == spaces_of(env)[name].shape:
+                raise ValueError(f"the statistics of '{name}' are of another shape")
+            scale[name] = mean, np.sqrt(variance + hyper["observation_floor"] ** 2)
+    except (KeyError, RuntimeError, ValueError, TypeError, AttributeError):
+        raise PolicyError(f"{path}: {NOT_A_POLICY}") from None
+    network.set_training_mode(False)
+    act = partial(_act, network, scale, float(hyper["observation_clip"]))
+    return TrainedPolicy(act, about["settings"].get("steps_per_episode"))
+
+
+def _act(
+    network: BasePolicy, scale: Mapping[str, tuple[np.ndarray, np.ndarray]], clip: float, observation: Observation
+) -> np.ndarray:
+    """Return the action for an observation, of which what has a mean and a deviation is normalised and clipped."""
+    inputs = dict(observation)
+    for name, (mean, deviation) in scale.items():
+        inputs[name] = np.clip((observation[name] - mean) / deviation, -clip, clip).astype(np.float32)
+    try:
+        return network.predict(inputs, deterministic=True)[0]
+    except ValueError:  # A distribution of numbers that are not finite.
+        return np.array(np.nan)

@@ -18,9 +18,8 @@ from mimoc.bundle.regular_files import parse_json
 from mimoc.policies.policy_file import DAMAGED, WEIGHTS, Archive
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
-from mimoc.training.agents import Modules, agent_state, restore_agent, restore_state, state_of
+from mimoc.training.agents import OF_TORCH, SCALE, Modules, agent_state, restore_agent, restore_state, state_of
 from mimoc.training.curve import Curve
-from mimoc.training.policies import OF_TORCH, SCALE
 from mimoc.training.vector_env import set_statistics, statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"

@@ -39,26 +39,28 @@ class CurvePoint:
     underrepresented; `evaluate` does not have this bias. They are unfinished episodes of the row at the checkpoint.
     """
 
-    steps: int
-    """Control steps trained for so far, summed over all environments."""
-    episodes: int
-    """Number of episodes that ended."""
-    episode_return: float
-    """Mean return per episode."""
-    success_rate: float
-    """Fraction of episodes that were successful."""
-    episode_steps: float
-    """Mean number of control steps per episode."""
-    time_to_success_s: float
-    """Mean simulated time to success, over the successful episodes."""
-    wall_s: float
-    """Wall time of the training so far; the only value here that is not reproducible."""
-    unfinished: int = 0
-    """Number of episodes under way at the end of the row."""
-    unfinished_return: float = math.nan
-    """Their mean return so far: not comparable with that of whole episodes."""
-    unfinished_steps: float = math.nan
-    """Their mean number of control steps so far."""
+    steps: int  # Control steps trained for so far, summed over all environments.
+    episodes: int  # Number of episodes that ended.
+    episode_return: float  # Mean return per episode.
+    success_rate: float  # Fraction of episodes that were successful.
+    episode_steps: float  # Mean number of control steps per episode.
+    time_to_success_s: float  # Mean simulated time to success, over the successful episodes.
+    wall_s: float  # Wall time of the training so far; the only value here that is not reproducible.
+    unfinished: int = 0  # Number of episodes under way at the end of the row.
+    unfinished_return: float = math.nan  # Their mean return so far: not comparable with that of whole episodes.
+    unfinished_steps: float = math.nan  # Their mean number of control steps so far.
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceUse:
+    """What a training has taken of a device."""
+
+    device: str
+    control_steps_per_s: float  # Control steps of all infants together, learning included.
+    physics_steps_per_s: float  # Likewise.
+    memory_mb: float | None  # Most memory that PyTorch and Warp had on it; None on the CPU.
+    overflowed: int  # Episodes that were cut because contacts or constraints of the infant did not fit.
+    success: float  # Share of the infants that have success in an episode in which the trained policy explores nothing.
 
 
 @dataclass(frozen=True, slots=True)

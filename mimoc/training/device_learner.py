@@ -1,6 +1,7 @@
 """rsl_rl's PPO, which learns from thousands of infants on a device."""
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+import math
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from time import perf_counter
 from typing import Any
@@ -15,27 +16,21 @@ from stable_baselines3.common.logger import Logger
 from tensordict import TensorDict
 
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.policies.network import Network, pack_network
-from mimoc.policies.policy_file import interface_of
-from mimoc.runtime.device.arrays import present, put
+from mimoc.policies.policy_file import Network, interface_of, pack_network
+from mimoc.runtime.device.arrays import most_memory_mb, only_warnings, present, put
 from mimoc.runtime.device.episode_ends import DeviceTask
 from mimoc.runtime.device.signals import check_infant, find_device
-from mimoc.runtime.device.usage import most_memory_mb, only_warnings
 from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.device.world_assignment import ResetSampler
 from mimoc.runtime.env import InfantEnv
 from mimoc.training.agents import Modules, interval_seed
 from mimoc.training.checkpoint import Progress, pack_modules, restore_modules
-from mimoc.training.curve import CurvePoint
-from mimoc.training.device_curve import DeviceCurve
-from mimoc.training.learner import DeviceUse
-from mimoc.training.rsl_rl_env import GROUP, InfantRslEnv, check_plain
+from mimoc.training.curve import Curve, CurvePoint, DeviceUse
+from mimoc.training.rsl_rl_env import GROUP, EnvRows, InfantRslEnv, check_plain
 from mimoc.training.settings import Number, TrainingSettings
-from mimoc.training.shares import Share
-from mimoc.training.tracking import RewardWatch
+from mimoc.training.tracking import ROW_STEPS, RewardWatch
 
-MOST_REWARD = 10.0
-"""Absolute value at which rewards in units of the deviation of returns are clipped, as on the CPU."""
+MOST_REWARD = 10.0  # Absolute value at which rewards in units of the deviation of returns are clipped, as on the CPU.
 
 
 class ClippedNormalization(EmpiricalNormalization):
@@ -99,17 +94,24 @@ class EarlyEnding(RolloutStorage):
 
 
 class DeviceLearner:
-    """PPO of rsl_rl with its infants; see `Learner`."""
+    """PPO of rsl_rl, which learns from some of the infants on a device; see `Learner`.
 
-    def __init__(self, settings: TrainingSettings, infant: InfantEnv, env: Share):
-        self._settings, self._infant, self._env = settings, infant, env
+    It has random numbers of torch of its own, so that beside others it learns what it would alone.
+    """
+
+    def __init__(self, settings: TrainingSettings, infant: InfantEnv, rows: EnvRows):
+        self._settings, self._infant, self._rows = settings, infant, rows
         torch.manual_seed(interval_seed(settings.seed, 0))
-        self._ppo = make_ppo(env, settings)
-        self._scale = ReturnScale(env.num_envs, settings.hyper["gamma"]).to(env.device)
+        self._ppo = make_ppo(rows, settings)
+        self._scale = ReturnScale(rows.num_envs, settings.hyper["gamma"]).to(rows.device)
         self._watch = RewardWatch()
         self._logger: Logger | None = None
         self._curve: DeviceCurve
-        self._steps, self._overflowed, self._taken_s, self.has_learnt = 0, 0, 0.0, False
+        self._observation: TensorDict
+        self._report: Callable[[int], None]
+        self._random_states: Any = None
+        self._end = self._rollout_steps = self._overflowed = self._steps = 0
+        self._start_s, self._taken_s, self.has_learnt = 0.0, 0.0, False
 
     @property
     def _modules(self) -> Modules:
@@ -124,42 +126,68 @@ class DeviceLearner:
         """Restore a checkpoint, and return the progress at that point."""
         return restore_modules(checkpoint, self._modules)
 
-    async def learn(
-        self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]
-    ) -> None:
-        """Learn until the next checkpoint: from episodes that begin anew, with random numbers that begin anew."""
-        start_s, seed = perf_counter(), interval_seed(self._settings.seed, before.steps)
+    def begin(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
+        """Begin an interval, with episodes and random numbers that begin anew."""
+        self._start_s, self._report, self._rollout_steps = perf_counter(), report, 0
+        self._end = self._settings.end_of_interval(before.steps)
+        seed, step_s = interval_seed(self._settings.seed, before.steps), ms_to_s(self._infant.manifest.step_ms)
         torch.manual_seed(seed)
-        step_s = ms_to_s(self._infant.manifest.step_ms)
-        self._curve = DeviceCurve(before, step_s, self._env.num_envs, self._env.device, on_row)
-        observation = self._env.reset(seed)
-        self._env.spread()
-        self._scale.restart(self._env.device)
-        try:
-            while self._curve.steps < self._settings.end_of_interval(before.steps):
-                observation = await self._rollout(observation, report)
-                losses = self._ppo.update()
-                self.has_learnt = True
-                self._log(losses, self._curve.end_row())
-        finally:
-            self._steps += self._curve.steps - before.steps
-            self._taken_s += perf_counter() - start_s
+        self._curve = DeviceCurve(before, step_s, self._rows.num_envs, self._rows.device, on_row)
+        self._observation = self._rows.reset(seed)
+        self._rows.randomize_episode_phase()
+        self._scale.restart(self._rows.device)
+        self._random_states = _random_states()
 
-    async def _rollout(self, observation: TensorDict, report: Callable[[int], None]) -> TensorDict:
-        """Let the policy act for some control steps, and return what is observed then."""
-        for _ in range(int(self._settings.hyper["n_steps"])):
-            with torch.no_grad():
-                actions = self._ppo.act(observation)
-            observation, rewards, dones, extras = await self._env.step(actions)
-            self._curve.add(rewards, dones, extras)
-            if not self._watch.ended:
-                self._watch(rewards.cpu().numpy())
+    def learn(self, others: "Sequence[DeviceLearner]" = ()) -> None:
+        """Learn until the end of the interval, in lock-step with others: a control step is one of all infants."""
+        learning, env = [self, *others], self._rows.env
+        while learning := [learner for learner in learning if learner._curve.steps < learner._end]:
+            actions = torch.zeros((env.num_envs, env.num_actions), device=env.device)
+            for learner in learning:
+                actions[learner._rows.which] = learner._act()
+            outcome = env.step(actions)
+            for learner in learning:
+                learner._learn_from(*learner._rows.part_of(outcome))
+
+    def _act(self) -> torch.Tensor:
+        with self._own_random_numbers(), torch.no_grad():
+            return self._ppo.act(self._observation)
+
+    def _learn_from(
+        self, observation: TensorDict, rewards: torch.Tensor, dones: torch.Tensor, extras: dict[str, Any]
+    ) -> None:
+        """Take a control step into account; the last one of a rollout updates the policy."""
+        self._curve.add(rewards, dones, extras)
+        if not self._watch.ended:
+            self._watch(rewards.cpu().numpy())
+        with self._own_random_numbers():
             with torch.no_grad():
                 self._ppo.process_env_step(observation, self._scale.scaled(rewards, dones), dones, extras)
-            report(self._curve.steps)
+            self._report(self._curve.steps)
+            self._observation, self._rollout_steps = observation, self._rollout_steps + 1
+            if self._rollout_steps == int(self._settings.hyper["n_steps"]):
+                self._update()
+
+    def _update(self) -> None:
         with torch.no_grad():
-            self._ppo.compute_returns(observation)
-        return observation
+            self._ppo.compute_returns(self._observation)
+        losses = self._ppo.update()
+        self.has_learnt, self._rollout_steps = True, 0
+        self._log(losses, self._curve.end_row())
+        if self._curve.steps >= self._end:
+            self._steps += self._curve.steps - self._curve.start_steps
+            self._taken_s += perf_counter() - self._start_s
+
+    @contextmanager
+    def _own_random_numbers(self) -> Iterator[None]:
+        on_cpu, on_gpus = self._random_states
+        torch.set_rng_state(on_cpu)
+        if on_gpus:
+            torch.cuda.set_rng_state_all(on_gpus)
+        try:
+            yield
+        finally:
+            self._random_states = _random_states()
 
     def _log(self, losses: dict[str, float], row: CurvePoint) -> None:
         """Tell the logger of an update; rsl_rl divides losses by the number of all parts, given or not."""
@@ -190,29 +218,42 @@ class DeviceLearner:
         self._overflowed += self._curve.overflowed
         return pack_modules(self._modules, reached)
 
-    async def use(self) -> DeviceUse:
-        """Return what was taken of the device, and what the policy does there."""
-        manifest, device = self._infant.manifest, self._env.infants.device
-        rate = self._steps / max(self._taken_s, 1e-9)
-        period, name = to_steps(manifest.step_ms, manifest.timestep_ms), f"{device.name} ({self._settings.device})"
-        success = await self._success()
-        return DeviceUse(name, rate, rate * period, most_memory_mb(device), self._overflowed, success)
-
-    async def _success(self) -> float:
-        """Return the share of the infants that have success in an episode of the commands that the policy means."""
-        observation = self._env.reset(interval_seed(self._settings.seed, self._curve.steps))
-        is_over = torch.zeros(self._env.num_envs, dtype=torch.bool, device=self._env.device)
-        succeeds = is_over.clone()
-        for _ in range(self._env.max_episode_length):
-            with torch.no_grad():
-                actions = self._ppo.actor(observation)
-            observation, _, dones, extras = await self._env.step(actions)
-            succeeds |= extras["is_success"] & dones & ~is_over
-            is_over |= dones
-        return float(succeeds.double().mean())
+    def use(self, others: "Sequence[DeviceLearner]" = ()) -> list[DeviceUse | None]:
+        """Return what it and others took of their device, and what each policy does there."""
+        learners, uses, device = [self, *others], list[DeviceUse | None](), self._rows.env.infants.device
+        for learner, success in zip(learners, success_rates(learners), strict=True):
+            manifest, rate = learner._infant.manifest, learner._steps / max(learner._taken_s, 1e-9)
+            period = to_steps(manifest.step_ms, manifest.timestep_ms)
+            name = f"{device.name} ({self._settings.device})"
+            memory_mb = most_memory_mb(device)
+            uses.append(DeviceUse(name, rate, rate * period, memory_mb, learner._overflowed, success))
+        return uses
 
 
-def make_ppo(env: InfantRslEnv | Share, settings: TrainingSettings) -> PPO:
+def success_rates(learners: Sequence[DeviceLearner]) -> list[float]:
+    """Return the share of each learner's infants that have success in an episode without exploration."""
+    env = learners[0]._rows.env
+    for learner in learners:
+        learner._rows.reset(interval_seed(learner._settings.seed, learner._curve.steps))
+    observation = env.get_observations()
+    is_over = torch.zeros(env.num_envs, dtype=torch.bool, device=env.device)
+    succeeds = is_over.clone()
+    for _ in range(env.max_episode_length):
+        actions = torch.zeros((env.num_envs, env.num_actions), device=env.device)
+        with torch.no_grad():
+            for learner in learners:
+                actions[learner._rows.which] = learner._ppo.actor(observation[learner._rows.which])
+        observation, _, dones, extras = env.step(actions)
+        succeeds |= extras["is_success"] & dones & ~is_over
+        is_over |= dones
+    return [float(succeeds[learner._rows.which].double().mean()) for learner in learners]
+
+
+def _random_states() -> tuple[torch.Tensor, Sequence[torch.Tensor]]:
+    return torch.get_rng_state(), torch.cuda.get_rng_state_all() if torch.cuda.is_initialized() else ()
+
+
+def make_ppo(env: InfantRslEnv | EnvRows, settings: TrainingSettings) -> PPO:
     """Return rsl_rl's PPO with untrained networks."""
     hyper, observation = settings.hyper, env.get_observations()
     distribution = {"class_name": "GaussianDistribution", "init_std": hyper["init_std"], "std_type": "log"}
@@ -266,30 +307,103 @@ def check_on_device(name: str, infant: InfantEnv) -> None:
 
 
 @contextmanager
-def device_learner(
-    settings: TrainingSettings, infant: InfantEnv, open_one: Callable[..., InfantEnv]
-) -> Iterator[DeviceLearner]:
-    """Open the infants on their device, and what learns from them."""
-    with shared_device(settings, [open_one]) as shares:
-        yield DeviceLearner(settings, infant, shares[0])
+def device_learners(
+    settings: Sequence[TrainingSettings],
+    infants: Sequence[InfantEnv],
+    openers: Sequence[Callable[..., InfantEnv]],
+) -> Iterator[list[DeviceLearner]]:
+    """Open as many infants of each kind as the settings say on their device, and a learner for each kind.
 
-
-@contextmanager
-def shared_device(settings: TrainingSettings, openers: Sequence[Callable[..., InfantEnv]]) -> Iterator[list[Share]]:
-    """Open as many infants of each kind as the settings say on their device, and return the share of each kind.
-
-    Warp says nothing of its kernels meanwhile.
+    Trainings differ in infant and seed only. Warp says nothing of its kernels meanwhile.
     """
     with only_warnings():
-        infants = DeviceEnv(
+        batch = DeviceEnv(
             [open_one(kind=ResetSampler) for open_one in openers],
-            settings.envs * len(openers),
-            settings.device.removeprefix("warp:"),
+            settings[0].envs * len(openers),
+            settings[0].device.removeprefix("warp:"),
             "SameStep",
-            settings.steps_per_episode,
+            settings[0].steps_per_episode,
             "torch",
             "points",  # Of the skin, as on the CPU, where the policy is to run.
         )
-        with closing(infants):
-            env = InfantRslEnv(infants, settings.seed)
-            yield [Share(env, first, len(openers)) for first in range(len(openers))]
+        with closing(batch):
+            env = InfantRslEnv(batch, settings[0].seed)
+            rows = [EnvRows(env, first, len(openers)) for first in range(len(openers))]
+            yield [DeviceLearner(*parts) for parts in zip(settings, infants, rows, strict=True)]
+
+
+SUMS = ("episodes", "return", "steps", "successes", "steps to success", "overflowed")
+"""What is added up of the episodes that ended."""
+
+
+class DeviceCurve:
+    """Extends a learning curve during a training interval; the CPU waits for the device once a row.
+
+    The first episode of each infant does not count: it is cut at a random time, see `EnvRows.randomize_episode_phase`.
+    """
+
+    def __init__(self, before: Progress, step_s: float, envs: int, device: Any, on_row: Callable[[CurvePoint], None]):
+        """Continue the curve of earlier intervals, of control steps of *step_s*; *on_row* gets each new row."""
+        self._before, self._step_s, self._on_row = before, step_s, on_row
+        self.steps = self.start_steps = self._row_start = before.steps
+        """Control steps so far, summed over all infants."""
+        self.overflowed = 0
+        """Episodes of the interval that were cut because contacts did not fit."""
+        self._rows: list[CurvePoint] = []
+        self._returns, self._lengths = (torch.zeros(envs, dtype=torch.float64, device=device) for _ in range(2))
+        self._is_whole = torch.zeros(envs, dtype=torch.bool, device=device)
+        self._sums = torch.zeros(len(SUMS), dtype=torch.float64, device=device)
+        self._start_s = perf_counter()
+
+    def add(self, rewards: torch.Tensor, dones: torch.Tensor, extras: Mapping[str, Any]) -> None:
+        """Take a control step into account; arrays have the shape (envs,)."""
+        self.steps += len(rewards)
+        self._returns += rewards
+        self._lengths += 1
+        counts = dones & self._is_whole
+        self._is_whole |= dones
+        ends, succeeds = counts.double(), (extras["is_success"] & counts).double()
+        overflows = (extras["overflowed"] & dones).double()
+        parts = ends, ends * self._returns, ends * self._lengths, succeeds, succeeds * self._lengths, overflows
+        self._sums += torch.stack(parts).sum(dim=1)
+        for so_far in (self._returns, self._lengths):
+            so_far.masked_fill_(dones, 0.0)
+
+    def end_row(self, at_last: bool = False) -> CurvePoint:
+        """Return the row of the steps since the row before; it is kept if they are enough, or the last ones."""
+        known = dict(zip(SUMS, self._sums.tolist(), strict=True))
+        going_on = self._lengths > 0
+        count = int(going_on.sum())
+        so_far = [float(values.sum()) / count if count else math.nan for values in (self._returns, self._lengths)]
+        row = CurvePoint(
+            steps=self.steps,
+            episodes=int(known["episodes"]),
+            episode_return=_share(known["return"], known["episodes"]),
+            success_rate=_share(known["successes"], known["episodes"]),
+            episode_steps=_share(known["steps"], known["episodes"]),
+            time_to_success_s=_share(known["steps to success"], known["successes"]) * self._step_s,
+            wall_s=self._wall_s(),
+            unfinished=count,
+            unfinished_return=so_far[0],
+            unfinished_steps=so_far[1],
+        )
+        if at_last or self.steps - self._row_start >= ROW_STEPS:
+            self.overflowed += int(known["overflowed"])
+            self._rows.append(row)
+            self._row_start = self.steps
+            self._sums.zero_()
+            self._on_row(row)
+        return row
+
+    def progress(self) -> Progress:
+        """Return the progress at the end of the interval, or where it was interrupted."""
+        if self.steps > self._row_start:
+            self.end_row(at_last=True)
+        return Progress(self.steps, self._wall_s(), Curve((*self._before.curve.rows, *self._rows)))
+
+    def _wall_s(self) -> float:
+        return round(self._before.wall_s + perf_counter() - self._start_s, 3)
+
+
+def _share(total: float, count: float) -> float:
+    return total / count if count else math.nan

@@ -3,17 +3,20 @@
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import TrainingError, UnknownNameError
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import Policies
+from mimoc.policies.policy import PolicyMaker
+from mimoc.policies.policy_file import load_network, read_policy
 from mimoc.policies.rollout import Rollout
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray
-from mimoc.training.loading import load_policy
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,10 +25,8 @@ class Episode:
 
     seed: int
     steps: int
-    duration_s: float
-    """Duration in simulated time; the time to success if the episode was successful."""
-    total_reward: float
-    """The return: the sum of all rewards."""
+    duration_s: float  # Duration in simulated time; the time to success if the episode was successful.
+    total_reward: float  # The return: the sum of all rewards.
     success: bool
     path_m: FloatArray | None
     """Positions of the tracked body at the start and after each control step, shape (steps + 1, 3), world frame."""
@@ -124,3 +125,31 @@ def _body(infant: Infant, name: str) -> str:
     if name not in bodies:
         raise UnknownNameError("body of this infant", name, bodies)
     return bodies[name]
+
+
+@takes("the path of a trained policy", *PATH)
+def load_policy(path: str | Path) -> PolicyMaker:
+    """Load a trained policy; return a function that binds it to an environment, for `Run` and `evaluate`.
+
+    Loading a policy runs no code from its file. The returned function raises a PolicyError for an infant whose
+    observations or actuators differ from those of the trained infant. A policy that was trained on a device is computed
+    by NumPy alone, and acts for an infant that observes more, too; one that was trained on the CPU needs
+    Stable-Baselines3.
+
+    Raises:
+        PolicyError: If the file is not a policy trained by mimoc.
+        MissingExtraError: If it needs Stable-Baselines3, which is not installed.
+
+    Example:
+        >>> import mimoc
+        >>> policy = mimoc.load_policy("runs/reach/policy.zip")
+        >>> env = mimoc.make("reach.yaml", max_episode_steps=5)
+        >>> len(mimoc.evaluate(env, policy, episodes=1))
+        1
+    """
+    file = read_policy(path)
+    if maker := load_network(file):
+        return maker
+    from mimoc.training import load_agent
+
+    return load_agent(file)

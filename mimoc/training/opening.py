@@ -87,7 +87,7 @@ def rsl_rl_env(
     if not isinstance(source, VectorEnv):
         for infant in listed(source):
             environments.check_source("rsl_rl_env", infant)
-    from mimoc.runtime.device.usage import only_warnings
+    from mimoc.runtime.device.arrays import only_warnings
     from mimoc.training.rsl_rl_env import InfantRslEnv
 
     with only_warnings():

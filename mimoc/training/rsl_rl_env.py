@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.vector import AutoresetMode
+from tensordict import TensorDict
 
 from mimoc.base.errors import MimocError, MissingExtraError
+from mimoc.runtime.batch.gymnasium_forms import RESET_MASK
 from mimoc.runtime.device.vector_env import DeviceEnv
 
 try:
@@ -18,11 +20,9 @@ try:
 except ImportError:
     raise MissingExtraError("rsl-rl-lib", "gpu") from None
 
-GROUP = "policy"
-"""Name of the only group of observations."""
+GROUP = "policy"  # Name of the only group of observations.
 NO_IMAGES = "is an image, which networks of plain layers do not learn from on a device; leave out vision, or device"
-LIMIT = 2**31 - 1
-"""Length of episodes that nothing ends, as a number."""
+LIMIT = 2**31 - 1  # Length of episodes that nothing ends, as a number.
 
 
 def without_gradients(method: Callable[..., Any]) -> Callable[..., Any]:
@@ -100,3 +100,43 @@ def check_plain(space: Any) -> None:
     for name, part in space.spaces.items():
         if part.dtype == np.uint8:
             raise MimocError(f"'{name}' {NO_IMAGES}")
+
+
+Outcome = tuple[TensorDict, torch.Tensor, torch.Tensor, dict[str, Any]]  # What `InfantRslEnv.step` returns.
+
+
+class EnvRows:
+    """Some of the infants on a device: those that one learner learns from."""
+
+    def __init__(self, env: InfantRslEnv, first: int = 0, every: int = 1):
+        """Take the infant *first* of each *every* that follow one another."""
+        self.env, self.which = env, slice(first, None, every)
+        self.num_envs, self.num_actions = len(range(env.num_envs)[self.which]), env.num_actions
+        self.device = env.device
+
+    def get_observations(self) -> TensorDict:
+        """Return what these infants observe."""
+        return self.env.get_observations()[self.which]
+
+    @without_gradients
+    def reset(self, seed: int) -> TensorDict:
+        """Begin an episode of each of these infants, with *seed* and the seeds that follow; others go on."""
+        mask, seeds = np.zeros(self.env.num_envs, dtype=bool), np.full(self.env.num_envs, None)
+        mask[self.which], seeds[self.which] = True, range(seed, seed + self.num_envs)
+        self.env.infants.reset(seed=seeds.tolist(), options={RESET_MASK: mask})
+        return self.get_observations()
+
+    def randomize_episode_phase(self) -> None:
+        """Let the episodes that have just begun end at random times, so that infants are not all equally far in theirs.
+
+        Otherwise each update would learn from one part of an episode only.
+        """
+        ended = self.env.infants.worlds.ended
+        shares = torch.rand(self.num_envs, device=self.device)
+        ended.steps[self.which] = (shares * ended.limits[self.which]).to(ended.steps.dtype)
+
+    def part_of(self, outcome: Outcome) -> Outcome:
+        """Return what a control step of all infants on the device means for these."""
+        observation, rewards, dones, extras = outcome
+        of_rows = {name: values[self.which] for name, values in extras.items() if name != "log"}
+        return observation[self.which], rewards[self.which], dones[self.which], of_rows

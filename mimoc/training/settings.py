@@ -59,8 +59,7 @@ hidden layers of `width` units. Observations are normalised: divided by their st
 `observation_floor` (in the observation's unit) if they vary less, so that tremor of joints at rest is not amplified,
 and clipped at `observation_clip`."""
 
-CPU = "cpu"
-"""The device of infants in MuJoCo itself; all others are those of MuJoCo Warp, where rsl_rl learns."""
+CPU = "cpu"  # The device of infants in MuJoCo itself; all others are those of MuJoCo Warp, where rsl_rl learns.
 DEVICE_HYPERPARAMETERS: Mapping[str, Mapping[str, Hyperparameter]] = {
     "ppo": {
         **{name: item for name, item in HYPERPARAMETERS["ppo"].items() if name != "batch_size"},
@@ -125,13 +124,10 @@ class TrainingSettings:
     """All settings of a training run, with defaults filled in."""
 
     algo: str
-    steps: int
-    """Control steps to train for, summed over all environments; the last rollout is completed."""
+    steps: int  # Control steps to train for, summed over all environments; the last rollout is completed.
     seed: int
-    envs: int
-    """Number of parallel environments."""
-    checkpoint_every: int
-    """Control steps between checkpoints, rounded up to whole rollouts."""
+    envs: int  # Number of parallel environments.
+    checkpoint_every: int  # Control steps between checkpoints, rounded up to whole rollouts.
     hyper: Mapping[str, Number] = field(default_factory=dict)
     custom: Mapping[str, str] = field(default_factory=dict)
     """Classes of the objects that a script passed, as `module:Class`, by `task` or `senses.<name>`."""
@@ -140,8 +136,7 @@ class TrainingSettings:
     that growth takes, summed over all environments."""
     steps_per_episode: int | None = None
     """Control steps after which an episode is truncated; None in runs of earlier versions, which do not say it."""
-    device: str = CPU
-    """Where the infants live, as for `mimoc.make_vec`."""
+    device: str = CPU  # Where the infants live, as for `mimoc.make_vec`.
 
     @classmethod
     def choose(
@@ -243,12 +238,10 @@ def check_envs(envs: int, device: str) -> None:
 MOST_ON_CPU = 1024
 
 
-MIN_IMAGE_PX = 36
-"""Smallest image that Stable-Baselines3's convolutional network accepts."""
+MIN_IMAGE_PX = 36  # Smallest image that Stable-Baselines3's convolutional network accepts.
 STEPS_PER_EPISODE = 500
 """Control steps of an episode that neither the caller nor the task limits: 5 s, with control steps of 10 ms."""
-NOTHING = "nothing"
-"""The observation of an infant without senses."""
+NOTHING = "nothing"  # The observation of an infant without senses.
 
 
 def check_learnable(infant: InfantEnv) -> None:

@@ -19,8 +19,7 @@ from mimoc.bundle.files import check_unlinked, make_folder
 from mimoc.training.checkpoint import Progress
 from mimoc.training.curve import Curve, CurvePoint, FinishedEpisode, UnfinishedEpisode, summarize
 
-TENSORBOARD = "tensorboard"
-"""Folder of a training run with TensorBoard's files."""
+TENSORBOARD = "tensorboard"  # Folder of a training run with TensorBoard's files.
 ASKED_BY = {"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}
 """The variable of each of the other trackers, which asks for it: nothing is sent anywhere without it."""
 
@@ -112,8 +111,7 @@ def _line(error: Exception) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-ROW_STEPS = 4096
-"""Control steps per row of a learning curve; the last row of an interval may cover fewer."""
+ROW_STEPS = 4096  # Control steps per row of a learning curve; the last row of an interval may cover fewer.
 CONSTANT_STEPS = 1000
 """Control steps, summed over all environments, after which a reward that has not changed is a warning."""
 

@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 import torch
+from stable_baselines3.common.logger import Logger
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import TrainingError
@@ -18,35 +19,125 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, WorldMaker, open_variant
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler import pipeline
-from mimoc.compiler.world_sources import world_of
+from mimoc.compiler.worlds import world_of
 from mimoc.recording.folder import check_recordable
 from mimoc.render.plots.file import encode, require_matplotlib
-from mimoc.render.plots.learning import learning_sheet
+from mimoc.render.plots.plot import learning_sheet
 from mimoc.runtime.batch.gymnasium_forms import check_mixture
+from mimoc.runtime.batch.vector_env import infants_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.infants import infants_of
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.world import WorldPlan
 from mimoc.training.checkpoint import Progress, read_progress
-from mimoc.training.curve import Curve, CurvePoint
-from mimoc.training.learner import DeviceUse, Learner
-from mimoc.training.learner_choice import LearnerOpener, choose_learner, refuse_in_world, refuse_on_device
+from mimoc.training.curve import Curve, CurvePoint, DeviceUse
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
+from mimoc.training.sb3_learner import sb3_learner
 from mimoc.training.settings import CPU, Number, TrainingSettings, check_learnable, episode_limit
-from mimoc.training.together import run_together
 from mimoc.training.tracking import tracked
-from mimoc.training.vector_env import growth_settings
+from mimoc.training.vector_env import growth_of, growth_settings, normalized, rows_together
+
+
+class Learner(Protocol):
+    """An agent and its environments, which learn from one checkpoint to the next."""
+
+    @property
+    def has_learnt(self) -> bool:
+        """Whether it was updated since it was made or restored."""
+        ...
+
+    def log_to(self, logger: Logger) -> None:
+        """Tell a logger what is learnt from now on."""
+
+    def restore(self, checkpoint: bytes) -> Progress:
+        """Restore a checkpoint, and return the progress at that point."""
+        ...
+
+    def begin(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
+        """Begin an interval; *report* gets the steps so far, *on_row* each new row of the curve."""
+
+    def learn(self, others: Sequence[Any] = ()) -> None:
+        """Learn until the end of the interval, in lock-step with others on the same device."""
+
+    def progress(self) -> Progress:
+        """Return the progress at the end of what was learnt last, or where that was interrupted."""
+        ...
+
+    def policy(self) -> bytes:
+        """Return the content of the file of its policy."""
+        ...
+
+    def checkpoint(self, reached: Progress) -> bytes:
+        """Return the content of a checkpoint file."""
+        ...
+
+    def use(self, others: Sequence[Any] = ()) -> list[DeviceUse | None]:
+        """Return what it and others took of their device, and what each policy does there; None on the CPU."""
+        ...
+
+
+LearnerOpener = Callable[[], AbstractContextManager[Sequence[Learner]]]
+"""Opens the environments of training runs, and a learner for each run."""
+
+
+def choose_learner(
+    settings: TrainingSettings,
+    infant: InfantEnv,
+    bundle: Bundle | WorldBundle,
+    open_one: Callable[..., Any],
+    threads: int | None,
+    processes: bool | None,
+    record: str | Path | None,
+) -> LearnerOpener:
+    """Return what opens the parallel environments of a training, and what learns from them; see `train`."""
+    if settings.device != CPU:
+        from mimoc.training.device_learner import check_on_device, device_learners
+
+        check_on_device(settings.device, infant)
+        return partial(device_learners, [settings], [infant], [open_one])
+    growth = growth_of(bundle, settings)
+    infants = len(bundle.infants) if isinstance(bundle, WorldBundle) else 1
+    open_rows = partial(rows_together, open_one, settings, growth, threads, processes, infants)
+    open_envs = partial(normalized, open_rows, settings)
+    return partial(sb3_learner, settings, infant, open_envs, record)
+
+
+ONLY_ON_CPU = {
+    "grow": "infants do not grow in a training on a device; leave out --grow, or --device",
+    "record": "a training on a device is not recorded; leave out --record, or --device",
+    "threads": "threads are for infants on the CPU; leave out --threads, or --device",
+    "processes": "processes are for infants on the CPU; leave out --processes and --one-process, or --device",
+}
+
+
+def refuse_in_world(device: str, processes: bool | None) -> None:
+    """Check that nothing is asked for that worlds of several infants cannot have in a training."""
+    if device != CPU:
+        raise TrainingError("worlds with several infants are simulated on the CPU; leave out --device")
+    if processes is not None:
+        raise TrainingError("worlds of a training are in one process; leave out --processes and --one-process")
+
+
+def refuse_on_device(device: str, **options: Any) -> None:
+    """Check that a device is there, and that nothing is asked for that cannot be on one."""
+    if device == CPU:
+        return
+    for name, value in options.items():
+        if value is not None:
+            raise TrainingError(ONLY_ON_CPU[name])
+    from mimoc.runtime.device.signals import find_device
+    from mimoc.training import rsl_rl_env  # noqa: F401 - It says if rsl_rl is missing.
+
+    find_device(device.removeprefix("warp:"))
+
 
 Source = Bundle | InfantSpec | WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 ProgressCallback = Callable[[int, int], None]
 RowCallback = Callable[[CurvePoint], None]
 
-STEPS = 500_000
-"""Training steps in the paper."""
+STEPS = 500_000  # Training steps in the paper.
 ENVS = 8
-PLOT_EVERY_S = 60.0
-"""Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
+PLOT_EVERY_S = 60.0  # Minimum time between plots of the curve: plotting takes longer than saving a checkpoint.
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,16 +240,16 @@ def train(
         (64, 'policy.zip')
     """
     refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
-    classes = {f"senses.{name}": type(sense) for name, sense in (senses or {}).items()}
-    classes |= {} if task is None else {"task": type(task)}
-    custom = {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
-    growth = growth_settings(grow, schedule, grow_steps, steps)
-    known = checkpoint_every, hyper or {}, custom, growth
-    choose = partial(TrainingSettings.choose, algo, steps, seed)
-    if world := world_of(source):
+    world = world_of(source)
+    if world:
         refuse_in_world(device, processes)
         envs = -(-envs // len(world.infants)) * len(world.infants)
-    choose(envs, *known, steps_per_episode, device)  # Fails now if a setting is out of range.
+    objects = {f"senses.{name}": sense for name, sense in (senses or {}).items()}
+    objects |= {} if task is None else {"task": task}
+    custom = {name: f"{type(part).__module__}:{type(part).__qualname__}" for name, part in objects.items()}
+    growth = growth_settings(grow, schedule, grow_steps, steps)
+    choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
+    choose(steps_per_episode, device)  # Fails now if a setting is out of range.
     bundle = world or pipeline.compiled(cast("Bundle", source))
     if isinstance(bundle, WorldBundle):
         open_one: Any = partial(open_world_copy, bundle, task, senses or {})
@@ -171,23 +262,72 @@ def train(
             check_learnable(one)
         check_mixture(infants)
         infant = min(infants, key=lambda one: one.max_steps or math.inf)
-        settings = choose(envs, *known, episode_limit(infant, steps_per_episode), device)
+        settings = choose(episode_limit(infant, steps_per_episode), device)
         _check_recordable(record, processes, [bundle] * (settings.envs // len(infants)))
         open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
-        session = Session(settings, open_learner, progress or (lambda *steps: None), on_row or (lambda row: None))
-        with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder, one_thread():
-            return run_together([trained(folder, session)])[0]
+        with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
+            run = Run(folder, settings, progress or (lambda *steps: None), on_row or (lambda row: None))
+            return train_to_end([run], lambda unfinished: open_learner())[0]
 
 
-@dataclass(frozen=True, slots=True)
-class Session:
-    """What a training has from its first interval to its last, besides its folder."""
+@dataclass(frozen=True)
+class TrainingJob:
+    """A training to be done."""
 
-    settings: TrainingSettings
-    open_learner: LearnerOpener
-    """Opens the parallel environments, and what learns from them."""
-    report: ProgressCallback
-    on_row: RowCallback
+    source: Bundle | InfantSpec
+    out: Path
+    seed: int = 0
+
+
+def train_together(
+    jobs: Sequence[TrainingJob],
+    device: str,
+    *,
+    steps: int,
+    envs: int,
+    hyper: Mapping[str, Number] | None = None,
+    checkpoint_every: int | None = None,
+    progress: ProgressCallback = lambda done, total: None,
+) -> list[Training]:
+    """Train a policy for each of several infants on a device, where all of them step at once.
+
+    A simulation of thousands takes little longer for four ages than for one, and each policy learns from fewer infants
+    at a time, more often. Each training is what `train` does with the same settings, and has the same folder; where one
+    was interrupted, all go on.
+
+    Raises:
+        MimocError: As `train` does, and `make_vec` for infants that cannot live in one batch.
+    """
+    refuse_on_device(device)
+    require_matplotlib()
+    from mimoc.training.device_learner import check_on_device, device_learners
+
+    def count(run: int, done: int, total: int) -> None:
+        steps_done[run] = done
+        progress(sum(steps_done), total * len(jobs))
+
+    runs, infants, openers = list[Run](), list[InfantEnv](), list[Callable[..., InfantEnv]]()
+    with ExitStack() as opened:
+        for number, job in enumerate(jobs):
+            bundle = pipeline.compiled(job.source)
+            openers.append(partial(open_copy, open_variant(bundle)))
+            infants.append(opened.enter_context(closing(openers[-1]())))
+            check_learnable(infants[-1])
+            check_on_device(device, infants[-1])
+            limit = episode_limit(infants[-1], None)
+            settings = TrainingSettings.choose(
+                *("ppo", steps, job.seed, envs, checkpoint_every, hyper or {}), steps_per_episode=limit, device=device
+            )
+            folder = opened.enter_context(open_run_folder(job.out, settings, bundle, force=False))
+            runs.append(Run(folder, settings, partial(count, number), lambda row: None))
+        steps_done = [run.reached.steps for run in runs]
+
+        def open_learners(unfinished: Sequence[Run]) -> AbstractContextManager[Sequence[Learner]]:
+            places = [runs.index(run) for run in unfinished]
+            chosen = [run.settings for run in unfinished]
+            return device_learners(chosen, [infants[place] for place in places], [openers[place] for place in places])
+
+        return train_to_end(runs, open_learners)
 
 
 def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Any]) -> None:
@@ -230,56 +370,93 @@ def one_thread() -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-def progress_in(folder: RunFolder) -> Progress:
-    """Return how far the run in a folder is."""
-    checkpoint = folder.read_checkpoint()
-    with _naming_checkpoint_of(folder):
-        return Progress() if checkpoint is None else read_progress(checkpoint)
+class Run:
+    """A training run whose folder is open, and how far it is."""
 
+    def __init__(
+        self, folder: RunFolder, settings: TrainingSettings, report: ProgressCallback, on_row: RowCallback
+    ) -> None:
+        """Read the progress in a folder; *report* gets the steps done and their total, *on_row* each new row."""
+        self.folder, self.settings, self._report, self.on_row = folder, settings, report, on_row
+        self.reached = Progress()
+        """Progress at the last checkpoint."""
+        self.checkpoint = folder.read_checkpoint()
+        """The checkpoint to resume from; None if there is none yet."""
+        if self.checkpoint is not None:
+            with _naming_checkpoint_of(folder):
+                self.reached = read_progress(self.checkpoint)
+        self._plotted_s = 0.0
 
-async def trained(folder: RunFolder, session: Session) -> Training:
-    """Train until the run in a folder has all its steps."""
-    before = reached = progress_in(folder)
-    use = None
-    if before.steps < session.settings.steps:
-        with session.open_learner() as learner:
-            reached = await _train_to_end(folder, session, learner)
-            use = await learner.use()
-    _write_curve(folder, reached)
-    return Training(reached.curve, folder.path / POLICY, before.steps, use)
+    @property
+    def is_finished(self) -> bool:
+        """Whether it has all its steps."""
+        return self.reached.steps >= self.settings.steps
 
+    def report(self, steps: int) -> None:
+        """Report the control steps done so far."""
+        self._report(min(steps, self.settings.steps), self.settings.steps)
 
-async def _train_to_end(folder: RunFolder, session: Session, learner: Learner) -> Progress:
-    """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
-    checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
-    settings = session.settings
-    if checkpoint is not None:
-        with _naming_checkpoint_of(folder):
-            reached = learner.restore(checkpoint)
-    with tracked(folder.path, settings.data(), reached.steps) as logger:
-        learner.log_to(logger)
-        while reached.steps < settings.steps:
-            reached = await _train_interval(folder, session, learner, reached)
-            folder.write_checkpoint(reached.steps, learner.policy(), learner.checkpoint(reached))
-            folder.write(CURVE, reached.curve.to_csv().encode())
-            if reached.wall_s > plotted_s + PLOT_EVERY_S:
-                folder.write(PICTURE, _plot(reached))
-                plotted_s = reached.wall_s
-    return reached
+    def write_checkpoint(self, learner: Learner) -> None:
+        """Write what was learnt until the end of an interval."""
+        self.reached = learner.progress()
+        self.folder.write_checkpoint(self.reached.steps, learner.policy(), learner.checkpoint(self.reached))
+        self.folder.write(CURVE, self.reached.curve.to_csv().encode())
+        if self.reached.wall_s > self._plotted_s + PLOT_EVERY_S:
+            self.folder.write(PICTURE, _plot(self.reached))
+            self._plotted_s = self.reached.wall_s
 
-
-async def _train_interval(folder: RunFolder, session: Session, learner: Learner, before: Progress) -> Progress:
-    """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
-    total = session.settings.steps
-    try:
-        await learner.learn(before, lambda done: session.report(min(done, total), total), session.on_row)
-    except BaseException:  # Ctrl-C, or an error in a task of the user's own.
-        with suppress(Exception):  # That one is what matters.
+    def write_interrupted(self, learner: Learner) -> None:
+        """Write the policy and the curve where an interval was interrupted; errors on the way are passed over."""
+        with suppress(Exception):  # What has interrupted it is what matters.
             if learner.has_learnt:
-                folder.write(POLICY, learner.policy())
-            _write_curve(folder, learner.progress())
-        raise
-    return learner.progress()
+                self.folder.write(POLICY, learner.policy())
+            _write_curve(self.folder, learner.progress())
+
+
+def train_to_end(
+    runs: Sequence[Run], open_learners: Callable[[Sequence[Run]], AbstractContextManager[Sequence[Learner]]]
+) -> list[Training]:
+    """Train runs side by side until each has all its steps, with the learners that are opened for unfinished runs."""
+    resumed_at = [run.reached.steps for run in runs]
+    uses = dict[int, DeviceUse | None]()
+    if unfinished := [run for run in runs if not run.is_finished]:
+        with one_thread(), open_learners(unfinished) as learners:
+            _learn_to_end(unfinished, learners)
+            uses = dict(zip(map(id, unfinished), learners[0].use(learners[1:]), strict=True))
+    for run in runs:
+        _write_curve(run.folder, run.reached)
+    return [
+        Training(run.reached.curve, run.folder.path / POLICY, start, uses.get(id(run)))
+        for run, start in zip(runs, resumed_at, strict=True)
+    ]
+
+
+def _learn_to_end(runs: Sequence[Run], learners: Sequence[Learner]) -> None:
+    """Go on from the checkpoints in the folders; write checkpoints after each interval.
+
+    If an interval is cut short, write what was learnt until then.
+    """
+    learning = list(zip(runs, learners, strict=True))
+    with ExitStack() as opened:
+        for run, learner in learning:
+            if run.checkpoint is not None:
+                with _naming_checkpoint_of(run.folder):
+                    learner.restore(run.checkpoint)
+                run.checkpoint = None
+            logger = opened.enter_context(tracked(run.folder.path, run.settings.data(), run.reached.steps))
+            learner.log_to(logger)
+        while learning := [(run, learner) for run, learner in learning if not run.is_finished]:
+            try:
+                for run, learner in learning:
+                    learner.begin(run.reached, run.report, run.on_row)
+                first, *others = (learner for _, learner in learning)
+                first.learn(others)
+            except BaseException:  # Ctrl-C, or an error in a task of the user's own.
+                for run, learner in learning:
+                    run.write_interrupted(learner)
+                raise
+            for run, learner in learning:
+                run.write_checkpoint(learner)
 
 
 def _write_curve(folder: RunFolder, progress: Progress) -> None:

@@ -29,14 +29,12 @@ from mimoc.compiler.world_variants import WorldBundleVariants
 from mimoc.runtime.batch.vector_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
-from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
-from mimoc.runtime.growth_wrapper import GrowthWrapper
+from mimoc.runtime.growth_wrapper import GrowthSchedule, GrowthWrapper, growth_schedule, read_ages
 from mimoc.runtime.opening.environments import BundleVariants
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.training.settings import TrainingSettings
 
-RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
-"""What Stable-Baselines3 expects of its environments."""
+RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP  # What Stable-Baselines3 expects of its environments.
 
 
 class InfantVecEnv(DummyVecEnv):
@@ -119,8 +117,7 @@ class Monitored(VecMonitor):
         vars(self).update(state, **{CLASS_ATTRIBUTES: dict(inspect.getmembers(type(self)))})
 
 
-CLASS_ATTRIBUTES = "class_attributes"
-"""Attribute of Stable-Baselines3's wrappers with the members of their class."""
+CLASS_ATTRIBUTES = "class_attributes"  # Attribute of Stable-Baselines3's wrappers with the members of their class.
 
 
 GROWN = "grown"
@@ -141,10 +138,8 @@ def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, ste
 class Growth:
     """How the infants of a training grow, all alike."""
 
-    schedule: GrowthSchedule
-    """Their age by the control steps that each has taken."""
-    variants: BundleVariants | WorldBundleVariants
-    """The infant, or all of a world, at each age."""
+    schedule: GrowthSchedule  # Their age by the control steps that each has taken.
+    variants: BundleVariants | WorldBundleVariants  # The infant, or all of a world, at each age.
 
 
 def growth_of(bundle: Bundle | WorldBundle, settings: TrainingSettings) -> Growth | None:

@@ -16,26 +16,22 @@ from mimoc.base.rounding import rounded
 Array = npt.NDArray[Any]
 KINDS = {"f": "<f4", "i": "<i2", "u": "<u4", "b": "|u1"}
 """How arrays are kept by kind of number: single precision, 16 bits with a sign, 32 without; bytes and booleans."""
-FINE_M = 2e-5
-"""Resolution of places of which there are thousands."""
-ALIGNMENT = 4
-"""Of each array in the block, in bytes."""
+FINE_M = 2e-5  # Resolution of places of which there are thousands.
+ALIGNMENT = 4  # Of each array in the block, in bytes.
 
 
 @dataclass(frozen=True, slots=True)
 class Places:
     """Thousands of places at some ages, which are kept as multiples of `FINE_M`: see `steps_of`."""
 
-    places_m: Array
-    """Shape (ages, n, 3)."""
+    places_m: Array  # Shape (ages, n, 3).
 
 
 @dataclass(slots=True)
 class EncodedArrays:
     """The arrays of a page."""
 
-    arrays: list[Array] = field(default_factory=list)
-    """The arrays, in the order of their numbers."""
+    arrays: list[Array] = field(default_factory=list)  # The arrays, in the order of their numbers.
 
     def put(self, value: Any) -> Any:
         """Keep the arrays in some data, and return it with `{"array": number}` in their places.
@@ -104,8 +100,8 @@ def source(name: str) -> str:
 
 
 def built(name: str) -> bytes:
-    """Return a file that `make viewer` builds; MimocError if it is missing."""
+    """Return a file that `.ci/task viewer` builds; MimocError if it is missing."""
     try:
         return (FOLDER / "built" / name).read_bytes()
     except FileNotFoundError:
-        raise MimocError(f"mimoc/viewer/built/{name} is missing; in a checkout, `make viewer` builds it") from None
+        raise MimocError(f"mimoc/viewer/built/{name} is missing; in a checkout, `.ci/task viewer` builds it") from None

@@ -14,10 +14,10 @@ from mimoc.base.errors import MimocError
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.variants import spec_of
-from mimoc.motion.points import BONES
+from mimoc.motion.labels import BONES
 from mimoc.movement.retargeting.folder import is_retargeted, read_retargeted
 from mimoc.recording.reading import Episode, ReadRecording
-from mimoc.recording.replay_recording import chosen_episodes, replay_recording
+from mimoc.recording.replaying import chosen_episodes, replay_recording
 from mimoc.recording.video import SMALL, Mp4
 from mimoc.runtime.expression import expression_of
 from mimoc.runtime.infant import Infant
@@ -25,15 +25,11 @@ from mimoc.runtime.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import Own, own_parts
-from mimoc.viewer.page import Progress, describe, fill
-from mimoc.viewer.world_page import Place, composed, move_bodies, move_home, with_surroundings
+from mimoc.viewer.page import Place, Progress, composed, describe, fill, move_bodies, move_home, with_surroundings
 
-FRAMES = 3000
-"""Frames of a page, at most: half a minute of every control step, or more of every other one and so on."""
-MOST = 1e300
-"""Of what is shown: the difference of two numbers must be one, too."""
-LEVELS = 65535
-"""Steps between the least and the largest value of a curve."""
+FRAMES = 3000  # Frames of a page, at most: half a minute of every control step, or more of every other one and so on.
+MOST = 1e300  # Of what is shown: the difference of two numbers must be one, too.
+LEVELS = 65535  # Steps between the least and the largest value of a curve.
 
 Array = npt.NDArray[Any]
 
@@ -109,20 +105,16 @@ def describe_episode(
 class _Film:
     """Keeps the motion of an infant while it is simulated again."""
 
-    stride: int
-    """Of how many control steps each frame is the first."""
-    alone: Bundle | None = None
-    """An infant that shares its world, as it is alone."""
-    model: mujoco.MjModel | None = None
-    """The first model."""
+    stride: int  # Of how many control steps each frame is the first.
+    alone: Bundle | None = None  # An infant that shares its world, as it is alone.
+    model: mujoco.MjModel | None = None  # The first model.
     surroundings: dict[str, Any] = field(default_factory=dict)
     frames: list[tuple[Array, float, str | None, Array]] = field(default_factory=list)
     """Configuration, age in months, expression, and places of the bodies around, shape (bodies, 7)."""
     felt: list[tuple[Array, Array]] = field(default_factory=list)
     """Skin points with any force, and its size, [N], as observed."""
     _own: Own | None = None
-    _move: Place | None = None
-    """Brings it from where it starts in its world to where it starts alone."""
+    _move: Place | None = None  # Brings it from where it starts in its world to where it starts alone.
     _row: int = 0
 
     def __call__(self, env: Infant, observation: Observation) -> None:
@@ -176,8 +168,7 @@ class _Film:
 
 TOUCH = "sum of the sizes of forces, those of self-touch on both sides [N]"
 """What a page has of touch: a contact of the infant with itself counts twice, for both parts of the body feel it."""
-VECTOR = " x [N]", " world x [N]"
-"""How the name of the first number of a point ends whose force has three."""
+VECTOR = " x [N]", " world x [N]"  # How the name of the first number of a point ends whose force has three.
 
 
 def _curves(episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
@@ -219,10 +210,8 @@ def _videos(episode: Episode) -> Iterator[tuple[str, bytes]]:
             yield reading.name, content
 
 
-EDGE = 0.06
-"""Empty margin around the points, as a share of the larger side of their picture."""
-FROM_ABOVE = np.array([1.0, -1.0])
-"""How places in space are drawn: x to the right, y upwards."""
+EDGE = 0.06  # Empty margin around the points, as a share of the larger side of their picture.
+FROM_ABOVE = np.array([1.0, -1.0])  # How places in space are drawn: x to the right, y upwards.
 
 
 def points_of(folder: Path) -> dict[str, Any] | None:

@@ -16,7 +16,7 @@ from mimoc.bundle.variants import Variant
 from mimoc.fits.who import percentile
 from mimoc.render.plots.plot import Line
 from mimoc.runtime.senses import bind_sense
-from mimoc.studies.growth.plot import PERCENTILES, who_chart
+from mimoc.studies.growth_plots import PERCENTILES, who_chart
 from mimoc.viewer.encoding import Places
 
 IntArray = npt.NDArray[np.intp]
@@ -37,8 +37,7 @@ class Own:
     geoms: IntArray
     joints: IntArray
     cameras: IntArray
-    qpos: IntArray
-    """Of the root: three numbers of its place, four of its orientation; then of each hinge."""
+    qpos: IntArray  # Of the root: three numbers of its place, four of its orientation; then of each hinge.
 
 
 def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:

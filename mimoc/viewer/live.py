@@ -17,14 +17,12 @@ import numpy as np
 from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.infant import Infant
-from mimoc.viewer.meshes import colour_of, coloured_faces, mesh_of, skin_of, texture_of
+from mimoc.viewer.appearance import colour_of, coloured_faces, mesh_of, skin_of, texture_of
 
-HOST = "localhost"
-"""Where pages are served: others on the network see nothing."""
+HOST = "localhost"  # Where pages are served: others on the network see nothing.
 LOCAL_HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
 """What this machine calls itself. Other names may be a stranger's that were made to lead here (DNS rebinding)."""
-TOKEN = "token"
-"""Key of the token in the address."""
+TOKEN = "token"  # Key of the token in the address.
 REFUSAL = "This page is only for the browser that opened the address which mimoc printed; the address works once.\n"
 
 ProcessRequest = Callable[[Any, Any], Any]
@@ -112,14 +110,10 @@ def _cookie_name(host: str) -> str:
 
 
 PORT = 8080
-CAMERA_M = (0.9, 0.6, 0.5)
-"""From where browsers look at first, relative to the infant."""
-PICTURE_S = 0.04
-"""Simulated time between what browsers are sent; moving a skin takes some milliseconds."""
-PAUSE_S = 0.02
-"""How often a paused page looks whether it goes on."""
-COLOURS = 6
-"""Of the pictures on a skin: faces of each are a mesh of their own."""
+CAMERA_M = (0.9, 0.6, 0.5)  # From where browsers look at first, relative to the infant.
+PICTURE_S = 0.04  # Simulated time between what browsers are sent; moving a skin takes some milliseconds.
+PAUSE_S = 0.02  # How often a paused page looks whether it goes on.
+COLOURS = 6  # Of the pictures on a skin: faces of each are a mesh of their own.
 
 
 class LiveView(AbstractContextManager["LiveView"]):

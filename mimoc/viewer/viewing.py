@@ -14,23 +14,20 @@ from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.pipeline import compiled
-from mimoc.compiler.world_sources import world_of
-from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.compiler.worlds import world_of
+from mimoc.runtime.batch.vector_env import BatchEnv, infants_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.infants import infants_of
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.page import Progress, describe, fill, page_of, with_posture
-from mimoc.viewer.world_page import page_of_infants, page_of_world
+from mimoc.viewer.page import Progress, describe, fill, page_of, page_of_infants, page_of_world, with_posture
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
 
-HEIGHT_PX = 620
-"""Of a page in a notebook."""
+HEIGHT_PX = 620  # Of a page in a notebook.
 
 
 class View:

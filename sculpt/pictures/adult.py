@@ -1,11 +1,10 @@
 """Drawing of an adult's face: eyes at half of the head's height, small for the head, with brows, nose and full lips."""
 
 import numpy as np
-from pictures.cubes import FACE_CELL_PX, blob, directions, over, within
-from pictures.expressions import FACES, Face
+from pictures.cubes import FACE_CELL_PX, FACES, Face, blob, directions, over, within
 
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.compiler.looks.colours import Colour
+from mimoc.compiler.looks.pictures import Colour
 
 SKIN: Colour = (232, 190, 162)
 SHADE: Colour = (206, 156, 130)
@@ -19,8 +18,7 @@ LID: Colour = (96, 60, 46)
 WHITE: Colour = (250, 248, 244)
 IRIS_RIM: Colour = (44, 54, 64)
 PUPIL: Colour = (22, 18, 20)
-BREADTH = 0.65
-"""Half of the head's breadth by half of its height; features are measured by the latter."""
+BREADTH = 0.65  # Half of the head's breadth by half of its height; features are measured by the latter.
 EYE_Y, EYE_Z, EYE_HALF = 0.285, 0.02, (0.15, 0.08)
 """Centre of the eye opening, and its half axes when it is neither wide nor narrow."""
 SHOWN = 1.5

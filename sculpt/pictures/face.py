@@ -6,19 +6,17 @@ import numpy as np
 from faces import MESHED, SHAPES
 from fields import Array
 from head import LID, MOUTH_HALF, Head, folded, lip_tubes, opening
+from head_mesh import wrapped
 from mouth import PATCH
 from pictures.cubes import BLUSH, HAIR, INSIDE, LIP, SKIN, over as laid_over, within
 from pictures.inks import Painted, ink, mixed, plain, with_palette
 from scipy.ndimage import distance_transform_edt
-from uv_map import wrapped
 
 from mimoc.compiler.looks.skin.template_mesh import template_mesh
 
-FACE_PX = 320
-"""Sides of the picture of a face."""
+FACE_PX = 320  # Sides of the picture of a face.
 COLOURS = 128
-AS_SHOWN = np.cos(np.radians(15.0))
-"""Least cosine of the angle between a place and the direction that its texel shows."""
+AS_SHOWN = np.cos(np.radians(15.0))  # Least cosine of the angle between a place and the direction that its texel shows.
 LASH, SHADE, TONGUE = ink("lash"), ink("shade"), ink("tongue")
 LIPS = mixed(lip=0.6, blush=0.4)
 LID_RIM = mixed(lip=0.3, blush=0.2, skin=0.5)

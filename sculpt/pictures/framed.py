@@ -4,12 +4,11 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.compiler.looks.colours import Colour
+from mimoc.compiler.looks.pictures import Colour
 
 WIDTH_PX, HEIGHT_PX = 256, 192
 FRAME_PX, MOUNT_PX = 12, 10
-SCALE = 2
-"""Factor of supersampling, in each direction."""
+SCALE = 2  # Factor of supersampling, in each direction.
 WOOD: Colour = (122, 82, 52)
 EDGE: Colour = (164, 118, 78)
 MOUNT: Colour = (246, 242, 232)

@@ -1,6 +1,6 @@
 """Pictures that are painted with named inks, so that a spec can choose their colours.
 
-The colour of a texel is not red, green and blue but a mixture: how much of each ink of `looks.colours` is in it.
+The colour of a texel is not red, green and blue but a mixture: how much of each ink of `looks.pictures` is in it.
 `ink("hair")` and `mixed(skin=0.4, shade=0.6)` are used as colours elsewhere are: `plain(shape, SKIN)` is a canvas of
 bare skin, and `over(canvas, HAIR, coverage)` of `pictures.cubes` paints on it. In the end, `with_palette(canvas, 128)`
 makes a PNG with a palette of 128 mixtures, which `make_pictures.py` stores; `coloured(canvas)` shows its colours.
@@ -18,12 +18,10 @@ import numpy.typing as npt
 from PIL import Image
 
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.compiler.looks.colours import CLOTHES, EYES, HAIR, INKS, SKINS, inks_of, mixed as mixed_inks
-from mimoc.compiler.looks.pictures import png_of
-from mimoc.schema.looks import LooksSpec
+from mimoc.compiler.looks.pictures import CLOTHES, EYES, HAIR, INKS, SKINS, inks_of, mixed as mixed_inks, png_of
+from mimoc.schema.body import LooksSpec
 
-WHOLE = 255
-"""Amount of an ink in a mixture of nothing else."""
+WHOLE = 255  # Amount of an ink in a mixture of nothing else.
 SHOWN = [
     inks_of(LooksSpec.model_validate({"skin": skin, "hair": hair, "eyes": eyes}), clothes)
     for skin, hair, eyes, clothes in zip(SKINS, HAIR, EYES, [*CLOTHES, *CLOTHES], strict=False)

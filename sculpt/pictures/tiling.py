@@ -5,15 +5,12 @@ import numpy.typing as npt
 from pictures.cubes import over
 
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.compiler.looks.colours import Colour
+from mimoc.compiler.looks.pictures import Colour
 
-TILE_PX = 256
-"""Size of a tile."""
-SOFT = 1.5 / TILE_PX
-"""Width of the blend at an edge, in tiles."""
+TILE_PX = 256  # Size of a tile.
+SOFT = 1.5 / TILE_PX  # Width of the blend at an edge, in tiles.
 
-Field = FloatArray
-"""One value per texel, shape `(TILE_PX, TILE_PX)`."""
+Field = FloatArray  # One value per texel, shape `(TILE_PX, TILE_PX)`.
 
 
 def grid() -> tuple[Field, Field]:

@@ -1,7 +1,7 @@
 """Textures of walls; the top of an image is the top of the wall."""
 
 import numpy as np
-from pictures.ceilings import star
+from pictures.floors import star
 from pictures.tiling import cells, grid, half_drop, lit, noise, paint, plain, tones
 
 from mimoc.base.geometry.rotations import FloatArray

@@ -1,13 +1,11 @@
 """Toy household objects: dishes, a bottle, a hat and furniture."""
 
-from toys.materials import FELT, PLUSH, POLYPROPYLENE, SHELL, WOOD
 from toys.shaping import Outline, box, lathe, rod, tube
-from toys.solids import block, capsule, cylinder, wall
+from toys.solids import FELT, PLUSH, POLYPROPYLENE, SHELL, WOOD, block, capsule, cylinder, wall
 
 from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
 
-MANY = 24
-"""Corners of circles that are seen from close up."""
+MANY = 24  # Corners of circles that are seen from close up.
 
 
 def cup() -> ToyModel:

@@ -2,15 +2,12 @@
 
 import math
 
-from toys.materials import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD
-from toys.shaping import ball as globe, box, lathe, loft, ring, rod, small_ball
-from toys.solids import block, capsule, cylinder, hoop, sphere
-from toys.transforms import move, pair, turn
+from toys.shaping import ball as globe, box, lathe, loft, move, pair, ring, rod, small_ball, turn
+from toys.solids import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD, block, capsule, cylinder, hoop, sphere
 
 from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
 
-MANY = 24
-"""Corners of circles that are seen from close up."""
+MANY = 24  # Corners of circles that are seen from close up.
 
 
 def ball() -> ToyModel:

@@ -7,17 +7,48 @@ import math
 from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from toys.transforms import move, stretch, turn
 
-from mimoc.base.geometry.rotations import FloatArray, Vec3
+from mimoc.base.geometry.rotations import FloatArray, Vec3, matrix_from_axis
 from mimoc.compiler.toys.shape import IntArray, Mesh
 
+
+def move(mesh: Mesh, by: Vec3) -> Mesh:
+    """Return a mesh moved by a vector."""
+    return Mesh(mesh.vertices + by, mesh.faces)
+
+
+def stretch(mesh: Mesh, factors: Vec3) -> Mesh:
+    """Return a mesh scaled along x, y and z."""
+    return Mesh(mesh.vertices * factors, mesh.faces)
+
+
+def turn(mesh: Mesh, axis: Literal["x", "y", "z"], angle_deg: float) -> Mesh:
+    """Return a mesh turned about an axis through the origin by the right-hand rule."""
+    rotation = matrix_from_axis(np.eye(3)["xyz".index(axis)], math.radians(angle_deg))
+    return Mesh(mesh.vertices @ rotation.T, mesh.faces)
+
+
+def mirror(mesh: Mesh) -> Mesh:
+    """Return a mesh mirrored at the plane y = 0."""
+    return Mesh(mesh.vertices * (1.0, -1.0, 1.0), mesh.faces[:, ::-1])
+
+
+def pair(mesh: Mesh) -> tuple[Mesh, Mesh]:
+    """Return a mesh and its mirror image at the plane y = 0."""
+    return mesh, mirror(mesh)
+
+
+def flatten_below(mesh: Mesh, floor: float = 0.0) -> Mesh:
+    """Return a mesh whose vertices below a height are moved up to it."""
+    return Mesh(np.maximum(mesh.vertices, (-np.inf, -np.inf, floor)), mesh.faces)
+
+
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
-ROUND = 16
-"""Corners of a circle; a multiple of four, so that it spans its box."""
+ROUND = 16  # Corners of a circle; a multiple of four, so that it spans its box.
 COS_45 = math.sqrt(0.5)
 Outline = Sequence[tuple[float, float]]
 """Corners in counterclockwise order, of a polygon that is star-shaped about their mean."""

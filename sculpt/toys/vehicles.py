@@ -1,13 +1,30 @@
 """Toy vehicles, boats and planes; all face along x."""
 
-from toys.materials import SHELL, WOOD
-from toys.shaping import board, box, egg, frustum, lathe, loft, plate, rod, small_ball
-from toys.solids import block, capsule, sphere
-from toys.transforms import move, pair, turn
-from toys.wheels import axles, wheels
+from toys.shaping import board, box, egg, frustum, lathe, loft, move, pair, plate, rod, small_ball, turn
+from toys.solids import SHELL, WOOD, block, capsule, sphere
 
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys.shape import Looks, Mesh, Solid, ToyModel, assemble
+
+
+def wheels(
+    x: tuple[float, ...], out: float, radius: float, width: float, segments: int = 16
+) -> tuple[list[Mesh], list[Mesh]]:
+    """Return tyres and hubs of pairs of wheels, with centres at the positions *x* and at y = ±*out*."""
+    half = width / 2
+    tread = [(0.88 * radius, -half), (radius, -0.6 * half), (radius, 0.6 * half), (0.88 * radius, half)]
+    tyre = turn(lathe(tread, segments=segments), "x", -90)
+    hub = turn(
+        lathe([(0.0, 0.5 * half), (0.55 * radius, 0.9 * half), (0.45 * radius, 1.15 * half)], segments=12), "x", -90
+    )
+    tyres = [side for each in x for side in pair(move(tyre, (each, out, radius)))]
+    return tyres, [side for each in x for side in pair(move(hub, (each, out, radius)))]
+
+
+def axles(x: tuple[float, ...], out: float, radius: float, width: float) -> list[Solid]:
+    """Return a capsule for each pair of wheels, so that each pair touches the floor at two points."""
+    end = max(out + 0.7 * width - radius, 0.02)
+    return [capsule((each, -end, radius), (each, end, radius), radius) for each in x]
 
 
 def car() -> ToyModel:

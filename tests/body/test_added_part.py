@@ -10,11 +10,18 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from support.registered import registered
+from support.registering import registered
 
 import mimoc
-from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
-from mimoc.anatomy.part import PartKind, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
+from mimoc.anatomy.part import (
+    BodyGeometry,
+    GeomShape,
+    PartKind,
+    ReferenceGeom,
+    ReferenceJoint,
+    ReferenceMotor,
+    ReferencePart,
+)
 from mimoc.anatomy.parts import PARTS
 from mimoc.base.errors import KindError, SpecError
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES
@@ -28,12 +35,7 @@ TAIL = ReferencePart(
     "hip",
     (
         ReferenceGeom(
-            "tail1",
-            "capsule",
-            0.05,
-            ("hip_circumference",),
-            "in proportion to hip_circumference",
-            material="pants_up",
+            "tail1", "capsule", 0.05, ("hip_circumference",), "in proportion to hip_circumference", material="pants_up"
         ),
     ),
     (ReferenceJoint("robot:tail", (0, 1, 0), (-30, 30), 0.2, 0.05, 0.001, 0.001),),
@@ -60,7 +62,6 @@ SENSES["vision"] = {"width_px": 16, "height_px": 16}
 
 
 def tail(p) -> BodyGeometry:
-    """Return where the tail is, and how large."""
     hip = p.trunk.pelvis[0]
     return BodyGeometry(
         origins={"tail": (-1.1 * hip, 0.0, 0.0)},
@@ -69,7 +70,6 @@ def tail(p) -> BodyGeometry:
 
 
 def wings(p) -> BodyGeometry:
-    """Return where the right wing is, and how large."""
     chest = p.trunk.girdle[0]
     return BodyGeometry(
         origins={"{side}_wing": (-1.3 * chest, -0.5 * chest, 0.0)},
@@ -78,7 +78,6 @@ def wings(p) -> BodyGeometry:
 
 
 def paws(p) -> BodyGeometry:
-    """Return where the right paw is, and how large."""
     half = p.hand.length_m / 4
     return BodyGeometry(
         origins={"{side}_hand": (0.0, 0.0, p.forearm.length_m)},
@@ -108,7 +107,6 @@ KINDS = (
 
 @pytest.fixture(scope="module", autouse=True)
 def added() -> Iterator[None]:
-    """Register all three, as a script would."""
     with registered(*KINDS):
         yield
 
@@ -180,14 +178,6 @@ def test_what_touches_it_is_felt_there(open_env):
     assert np.abs(env.skin.forces[env.skin.bodies == "tail"]).max() > 0
 
 
-def test_left_mirrors_right(model):
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    left, right = (data.geom(f"{side}_wing1").xpos for side in ("left", "right"))
-    assert left == pytest.approx(right * (1, -1, 1))
-    assert model.joint("robot:left_wing").axis == pytest.approx(-model.joint("robot:right_wing").axis)
-
-
 def test_it_grows_with_what_it_follows():
     young, old = (load_model(mimoc.build(spec(age_months))) for age_months in (0, 24))
     assert np.all(young.geom("tail1").size[:2] < old.geom("tail1").size[:2])
@@ -208,13 +198,10 @@ def test_it_belongs_to_a_group_of_muscles(bundle):
         assert strong.actuator(motor).gear[0] == pytest.approx(factor * usual.actuator(motor).gear[0])
 
 
-def test_it_is_locked_with_its_group():
-    locked = mimoc.build(spec(actuation={"locked": ["trunk"]})).manifest.constraints.locks
-    assert "robot:tail" in {lock.joint for lock in locked}
-
-
-def test_it_can_be_held():
-    assert "tail" in {weld.body for weld in mimoc.build(spec(scene={"held": ["tail"]})).manifest.constraints.welds}
+def test_it_can_be_held_and_is_locked_with_its_group():
+    constraints = mimoc.build(spec(actuation={"locked": ["trunk"]}, scene={"held": ["tail"]})).manifest.constraints
+    assert "robot:tail" in {lock.joint for lock in constraints.locks}
+    assert "tail" in {weld.body for weld in constraints.welds}
 
 
 def test_it_can_be_scaled(model):
@@ -241,7 +228,12 @@ def test_its_numbers_are_explained(bundle):
     assert explain(bundle, "actuator.act:left_wing.gear").lines
 
 
-def test_it_has_its_material(model):
+def test_left_mirrors_right_and_all_have_their_material(model):
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    left, right = (data.geom(f"{side}_wing1").xpos for side in ("left", "right"))
+    assert left == pytest.approx(right * (1, -1, 1))
+    assert model.joint("robot:left_wing").axis == pytest.approx(-model.joint("robot:right_wing").axis)
     materials = {geom: model.mat(model.geom(geom).matid[0]).name for geom in ("tail1", "left_wing1")}
     assert materials == {"tail1": "pants_up", "left_wing1": "skin"}
 

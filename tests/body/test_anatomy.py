@@ -184,7 +184,6 @@ def test_tendons_are_mimos(model, published):
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_every_geom_says_what_it_follows(hands):
-    """No number of a body is without a reason."""
     for _, part in assemble(hands, False).parts:
         assert part.rule
         assert all(figures.size_from and figures.rule for figures in part.geoms), part.name

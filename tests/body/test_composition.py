@@ -25,7 +25,6 @@ def grown(age_months=6.0, development="maturing", **individual):
 
 
 def gears(grown_body) -> dict[str, float]:
-    """Return the torque of each motor, by joint."""
     return {motor.joint: motor.gear_nm for motor in grown_body.tree.motors}
 
 
@@ -135,7 +134,6 @@ def test_explain_tells_both():
 
 
 def test_the_strength_of_an_age_that_a_spec_asks_for_is_the_average_childs():
-    """Whatever the child's own rate."""
     spec = InfantSpec(mimoc=1, name="kim", age_months=6, actuation={"strength_age_months": 12})
     fast = spec.with_(body={"individual": {"maturation_rate": 1.5}})
     assert gears(grow_body(fast)) == pytest.approx(gears(grow_body(spec)))

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from mimoc.anatomy.anatomy import assemble
-from mimoc.body.grow import grow_average
-from mimoc.fits import measure
+from mimoc.base.units import m_to_cm
+from mimoc.body.grow import grow_average, grow_tree
+from mimoc.body.kinematics import stature
+from mimoc.fits import load_tables, measure
 
 UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
 BOTH = ("left", "right")
@@ -20,10 +22,6 @@ GIRTHS = {
     "calf_circumference": "{}_lower_leg1",
     "ankle_circumference": "{}_lower_leg2",
 }
-
-
-def girth(infant, geom: str) -> float:
-    return 2 * math.pi * infant.model.geom(geom).size[0]
 
 
 def level_perimeter(infant, geom: str) -> float:
@@ -41,10 +39,12 @@ def everything(infant) -> list[str]:
     return infant.geoms(*(infant.model.body(index).name for index in range(1, infant.model.nbody)))
 
 
-def test_standing_height_is_crown_sole_length(infants):
+def test_heights_are_crown_sole_and_crown_rump_length(infants):
     for infant in infants:
-        height_m = length(infant.span_m(UP, everything(infant)))
-        assert height_m == pytest.approx(measure(infant.age_months)["crown_sole_length"], abs=0.002), infant
+        child = measure(infant.age_months)
+        height_m, sitting_m = (length(infant.span_m(UP, geoms)) for geoms in (everything(infant), ["head", "lb"]))
+        assert height_m == pytest.approx(child["crown_sole_length"], abs=0.002), infant
+        assert sitting_m == pytest.approx(child["crown_rump_length"], abs=0.005), infant
 
 
 def test_the_crown_is_the_head_and_the_sole_the_foot(infants):
@@ -55,23 +55,11 @@ def test_the_crown_is_the_head_and_the_sole_the_foot(infants):
             assert infant.span_m(UP, infant.limb(f"{side}_foot"))[0] == pytest.approx(low_m, abs=1e-8)
 
 
-def test_sitting_height_is_crown_rump_length(infants):
-    for infant in infants:
-        height_m = length(infant.span_m(UP, ["head", "lb"]))
-        assert height_m == pytest.approx(measure(infant.age_months)["crown_rump_length"], abs=0.005), infant
-
-
-def test_the_head_is_as_round_as_measured(infants):
-    """To the nine digits of the file."""
-    for infant in infants:
-        found_m = level_perimeter(infant, "head")
-        assert found_m == pytest.approx(measure(infant.age_months)["head_circumference"], rel=1e-8)
-
-
-def test_heads_are_as_long_and_broad_as_measured(infants):
-    """But for the factor that gives them their circumference, which other children were measured for."""
+def test_heads_are_as_round_long_and_broad_as_measured(infants):
+    """Length and breadth but for the factor that gives them their circumference, measured for other children."""
     for infant in infants:
         child = measure(infant.age_months)
+        assert level_perimeter(infant, "head") == pytest.approx(child["head_circumference"], rel=1e-8)
         assert length(infant.span_m(FORWARD, ["head"])) == pytest.approx(child["head_length"], rel=0.04), infant
         assert length(infant.span_m(LEFT, ["head"])) == pytest.approx(child["head_breadth"], rel=0.04), infant
 
@@ -80,7 +68,7 @@ def test_heads_are_as_long_and_broad_as_measured(infants):
 def test_limbs_are_as_thick_as_measured(infants, measurement):
     for infant in infants:
         for side in BOTH:
-            found_m = girth(infant, GIRTHS[measurement].format(side))
+            found_m = 2 * math.pi * infant.model.geom(GIRTHS[measurement].format(side)).size[0]
             assert found_m == pytest.approx(measure(infant.age_months)[measurement], rel=0.02), infant
 
 
@@ -94,7 +82,6 @@ def test_feet_are_as_long_and_broad_as_measured(infants, side):
 
 @pytest.mark.parametrize("side", BOTH)
 def test_hands_are_as_long_and_broad_as_measured(infants, side):
-    """Length is from the wrist, breadth across all but the thumb."""
     for infant in infants:
         child, forearm = measure(infant.age_months), infant.data.body(f"{side}_lower_arm")
         across, _, along = forearm.xmat.reshape(3, 3).T
@@ -131,24 +118,19 @@ def test_shoulder_joints_are_as_far_apart_as_mimos(infants):
         assert np.linalg.norm(left - right) == pytest.approx(wanted_m, rel=1e-6), infant
 
 
-GRASP = (
+GRASP = (  # What motors that close a hand have in their names.
     "_fingers",
     *(f"{finger}_{joint}" for finger in ("ff", "mf", "rf", "lf") for joint in ("knuckle", "middle", "distal")),
 )
-"""What motors that close a hand have in their names."""
-
-
-def names_of_actuators(model):
-    return [model.actuator(index).name for index in range(model.nu)]
 
 
 def test_the_older_the_longer_and_heavier(infants):
-    """No segment between joints, no part, no strength ever gets smaller, but the grasp that newborns lose."""
     for younger, older in pairwise(infants):
         segments = [np.linalg.norm(infant.model.body_pos[2:], axis=1) for infant in (younger, older)]
         assert np.all(segments[0] <= segments[1]), older
         assert np.all(younger.model.body_mass <= older.model.body_mass), older
-        grasp = np.array([any(part in name for part in GRASP) for name in names_of_actuators(older.model)])
+        actuators = [older.model.actuator(index).name for index in range(older.model.nu)]
+        grasp = np.array([any(part in name for part in GRASP) for name in actuators])
         weaker = younger.model.actuator_gear[:, 0] >= older.model.actuator_gear[:, 0]
         assert not np.any(weaker & ~grasp), older
 
@@ -180,3 +162,15 @@ def test_hinges_turn_about_the_same_axes_at_every_age(infants):
     for infant in infants:
         for name in ("jnt_axis", "tendon_range"):
             assert np.array_equal(getattr(infant.model, name), getattr(infants[0].model, name)), name
+
+
+def test_a_body_measures_what_its_measurements_say(infants):
+    """As WHO would measure the compiled model: crown to sole, mass, head, left arm."""
+    for infant in infants:
+        child = measure(infant.age_months)
+        found = stature(grow_tree(child, assemble(infant.hands, False)))
+        assert found.keys() == load_tables().who.keys()
+        assert found["length_cm"] == pytest.approx(m_to_cm(child["crown_sole_length"]), abs=0.2)
+        assert found["weight_kg"] == pytest.approx(infant.model.body("hip").subtreemass[0], rel=1e-8)
+        assert found["head_circumference_cm"] == pytest.approx(m_to_cm(child["head_circumference"]))
+        assert found["arm_circumference_cm"] == pytest.approx(m_to_cm(child["upper_arm_circumference"]))

@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from support.papers_law import ByVolume, by_volume
 from support.segment_masses import (
     ARMS,
     DUMMIES,
@@ -17,6 +16,8 @@ from support.segment_masses import (
     SHANK,
     THIGH,
     TORSO,
+    ByVolume,
+    by_volume,
     legs_table,
     segment_masses,
     shares_table,
@@ -46,10 +47,6 @@ def part(tree: BodyTree, name: str) -> Body:
     return next(body for body in tree.bodies if body.name == name)
 
 
-def is_heavier(name: str) -> bool:
-    return name == "head" or any(part in name for part in ("foot", "toe", "upper_leg"))
-
-
 @given(
     age_months=ages_months,
     hands=kinds_of_hands,
@@ -62,7 +59,8 @@ def test_head_thighs_and_feet_gain_what_the_trunk_loses(age_months, hands, facto
     for name, mass_kg in mimos.masses_kg.items():
         share, is_lighter = part(own, name).mass_kg / mass_kg, mimos.regions[name] == "trunk"
         least = 1.0 if "upper_leg" in name else 1.1
-        assert share > least if is_heavier(name) else is_lighter or share == pytest.approx(1, rel=1e-12), name
+        is_heavier = name == "head" or any(part in name for part in ("foot", "toe", "upper_leg"))
+        assert share > least if is_heavier else is_lighter or share == pytest.approx(1, rel=1e-12), name
         shares += [share] if is_lighter else []
     assert max(shares) < 1
     assert shares == pytest.approx([shares[0]] * len(shares), rel=1e-12)
@@ -144,9 +142,6 @@ def test_soles_of_high_feet_are_flat(infants):
     for infant in infants[::8]:
         lows_m = [infant.span_m(np.eye(3)[2], [f"left_{name}"])[0] for name in ("foot1", "foot2", "foot3", "toes2")]
         assert np.ptp(lows_m) < 3e-4, infant
-
-
-# Next to published segment masses.
 
 
 @pytest.mark.parametrize("age_months", DUMMIES)

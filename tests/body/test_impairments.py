@@ -16,9 +16,9 @@ from mimoc.compiler.explain import entries_of
 from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import load_tables
 from mimoc.fits.fat import mean_percent
-from mimoc.schema.regions import REGIONS, place_of
+from mimoc.schema.names import REGIONS, place_of
 from mimoc.studies.milestones.infant import Conditions, compile_at, slackened
-from mimoc.studies.movement.trials.pendulum import THIGHS_LEVEL_DEG, swing
+from mimoc.studies.movement.pendulum import THIGHS_LEVEL_DEG, swing
 
 
 def infant(age_months=9.0, actuation=None, **impairments) -> mimoc.InfantSpec:

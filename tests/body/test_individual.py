@@ -6,6 +6,7 @@ from statistics import NormalDist
 import mujoco
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings, strategies as st
 from support.full import full_but
 from support.start_poses import DEPTH_M
@@ -18,7 +19,7 @@ from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.source import parse
-from mimoc.studies.growth.who import measure_compiled
+from mimoc.studies.growth import measure_compiled
 
 INDICATORS = {
     "length": ("length_cm", "length_percentile"),
@@ -33,8 +34,7 @@ EXTREMES = [
     *({name: percentile} for name, percentile in product(INDICATORS, (1, 99))),
 ]
 """First and last percentile of each indicator, in every combination, and of each with the others left open."""
-REST_DEPTH_M = 1.1e-4
-"""How deep a keyframe presses into the floor, and a digit to spare."""
+REST_DEPTH_M = 1.1e-4  # How deep a keyframe presses into the floor, and a digit to spare.
 
 percentiles = st.floats(1, 99)
 
@@ -62,7 +62,6 @@ def who(indicator: str, percentile: float, age_months: float, sex: str) -> float
 )
 @pytest.mark.slow
 def test_the_compiled_child_is_what_was_asked_for(age_months, sex, hands, wanted):
-    """Any subset of the three, each as percentile or as value."""
     individual, expected = {}, {}
     for name, (percentile, as_value) in wanted.items():
         value_key, percentile_key = INDICATORS[name]
@@ -74,7 +73,6 @@ def test_the_compiled_child_is_what_was_asked_for(age_months, sex, hands, wanted
 
 
 def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[str, str, float]]:
-    """Return what is in what else, the floor apart."""
     mujoco.mj_forward(model, data)
     pairs = [(model.geom(a).name, model.geom(b).name) for a, b in data.contact.geom]
     return [
@@ -124,7 +122,6 @@ def test_a_second_of_random_control_leaves_an_extreme_child_stable(hands, extrem
 
 
 def test_the_shape_of_a_child_stays_that_of_anthrokids():
-    """Lengths, girths and head have one factor each."""
     average, one = (
         measure(9),
         grow_body(at_percentiles(9, "male", {"length": 90, "weight": 10, "head": 60})).measurements,
@@ -144,7 +141,6 @@ MITTEN = assemble("mitten", False)
 
 
 def test_what_is_not_given_follows_from_what_is():
-    """Weight and head from length; length and head from weight; length and weight from the head."""
     average = measure(9)
     for key, value in {"length_cm": 75.0, "weight_kg": 10.0, "head_circumference_cm": 47.0}.items():
         one = grow_body(child(9, **{key: value})).measurements
@@ -164,8 +160,6 @@ def test_the_average_child_is_left_alone():
     one = grow_body(spec).measurements
     assert [one[name] for name in one] == pytest.approx([measure(9)[name] for name in one], rel=5e-4)
 
-
-# Children that there are none of.
 
 IMPOSSIBLE = {
     "short and heavy": (9, "length_cm: 60, weight_kg: 20"),
@@ -195,16 +189,11 @@ def test_a_child_that_there_is_none_of_gets_this_text(case, snapshot):
 
 @pytest.mark.parametrize("case", IMPOSSIBLE)
 def test_taking_the_advice_builds(case):
-    """Both ends of the range that is given."""
     age_months, individual = IMPOSSIBLE[case]
     (problem,) = refusal(age_months, individual).problems
     assert problem.key == "body.individual"
     least, _, largest, unit = problem.message.split("give ")[1].split()
-    given = {name: _number(text) for name, text in (pair.split(": ") for pair in individual.split(", "))}
+    given = yaml.safe_load(f"{{{individual}}}")
     (key,) = [key for key in WITHIN if f" {given.get(key, 0):.1f} {unit}" in problem.message.split(";")[0]][-1:]
     for value in (least, largest):
         assert compile_infant(child(age_months, **{**given, key: float(value)})).nbody > 20
-
-
-def _number(text: str) -> float | str:
-    return text if text.isalpha() else float(text)

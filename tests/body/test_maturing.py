@@ -1,17 +1,19 @@
 """A body that matures: what it is at 18 months, and how it gets there."""
 
+import re
 from itertools import pairwise
 
 import mujoco
 import numpy as np
 import pytest
-from support.papers_law import by_volume
+from hypothesis import given, strategies as st
+from support.segment_masses import by_volume
 
 import mimoc
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_tree
 from mimoc.body.joints import LEAST_ARMATURE_KGM2, NEWBORN_FIST_DEG, RELAXED
-from mimoc.body.maturation import FINGERS
+from mimoc.body.maturation import FINGERS, Decay
 from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import measure
 
@@ -29,7 +31,6 @@ def anatomy(request):
 
 @pytest.fixture(scope="module")
 def bodies(anatomy):
-    """Return the average child by age."""
     return {age: grow_average(age, anatomy) for age in (*AGES_MONTHS, 24)}
 
 
@@ -38,11 +39,7 @@ def of_neck(name: str) -> bool:
 
 
 def closes_hand(joint: str) -> bool:
-    return joint.replace("left", "{side}").replace("right", "{side}") in FINGERS
-
-
-def swings(joint: str) -> bool:
-    return joint.replace("left", "{side}").replace("right", "{side}") in RELAXED
+    return re.sub("left|right", "{side}", joint) in FINGERS
 
 
 def test_at_18_months_motors_are_mimos_but_for_heavier_heads_horizontal_flexion_and_middle_joints(bodies, anatomy):
@@ -61,7 +58,7 @@ def test_at_18_months_joints_that_do_not_swing_are_mimos_but_for_eyes_fingers_to
     for name, mimos in published.joints.items():
         ours = bodies[18].joints[name]
         assert ours.frictionloss_nm == 0
-        if swings(name) or closes_hand(name) or "eye" in name:
+        if re.sub("left|right", "{side}", name) in RELAXED or closes_hand(name) or "eye" in name:
             continue
         assert (ours.range_deg, ours.springref_deg) == (mimos.range_deg, mimos.springref_deg), name
         for attribute in ("stiffness_nm_per_rad", "damping_nms_per_rad"):
@@ -200,3 +197,23 @@ def test_a_taller_child_is_stronger_by_its_length_besides_its_volume(anatomy):
     tall = average.scaled(dict.fromkeys(average, 1.1), "", ())
     for before, after in zip(grow_tree(average, anatomy).motors, grow_tree(tall, anatomy).motors, strict=True):
         assert after.gear_nm == pytest.approx(before.gear_nm * 1.1**4, rel=0.1), before.name
+
+
+decays = st.builds(Decay, st.floats(1, 20), st.floats(0.5, 3))
+ages = st.floats(0, 24)
+
+
+@given(decays)
+def test_a_newborn_has_all_of_it_and_an_infant_of_18_months_nothing(decay):
+    assert decay(0) == 1
+    assert decay(18) == decay(18.5) == decay(24) == 0
+
+
+@given(decays, ages, ages)
+def test_it_only_fades(decay, one, other):
+    younger, older = sorted((one, other))
+    assert 0 <= decay(older) <= decay(younger) <= 1
+
+
+def test_it_is_a_stretched_exponential_that_ends_at_18_months():
+    assert Decay(12, 1)(6) == pytest.approx((0.60653 - 0.22313) / (1 - 0.22313), abs=1e-5)

@@ -11,8 +11,7 @@ from support.full import full_but
 
 import mimoc
 from mimoc.anatomy.anatomy import assemble
-from mimoc.base.geometry.ellipsoids import ellipse_perimeter
-from mimoc.base.geometry.primitives import volume
+from mimoc.base.geometry.primitives import ellipse_perimeter, volume
 from mimoc.body.grow import grow_body, grow_child, reference_of
 from mimoc.bundle.model import load_model
 from mimoc.compiler.measuring import MEASURES, STRAIGHT, Figure
@@ -22,13 +21,11 @@ from mimoc.schema.names import LIMB_MEASUREMENTS, MEASUREMENTS, limb_bodies, tru
 
 HANDS = ("mitten", "five_finger")
 UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
-INERT = {
+INERT = {  # What no part of a body follows: each kind of hand has its own measurements.
     "mitten": {"rump_sole_length", "middle_finger_diameter", "thumb_diameter"},
     "five_finger": {"rump_sole_length", "maximum_fist_breadth"},
 }
-"""What no part of a body follows: each kind of hand has its own measurements."""
-HEAD_SHAPE = {"head_breadth", "head_length"}
-"""What shares out the head's circumference."""
+HEAD_SHAPE = {"head_breadth", "head_length"}  # What shares out the head's circumference.
 
 
 def spec(hands: str = "mitten", age_months: float = 9, **body) -> InfantSpec:
@@ -60,7 +57,6 @@ FOLLOWED = [(hands, name) for hands in HANDS for name in MEASUREMENTS if name no
 @pytest.mark.parametrize("factor", full_but([1.05], [0.96]))
 @pytest.mark.parametrize(("hands", "name"), FOLLOWED)
 def test_a_measurement_is_found_on_the_compiled_body(infant_with, hands, name, factor):
-    """With tape and calipers, on the left and on the right."""
     value_m = measure(9)[name] * factor
     figure = Figure(infant_with(hands=hands, measurements={f"{name}_cm": 100 * value_m}).model)
     take, _ = MEASURES[name]
@@ -95,7 +91,6 @@ def figures(geom) -> tuple[float, ...]:
 
 
 def differences(before, after) -> tuple[set[str], set[str]]:
-    """Return the geoms and the bodies that differ in size or place."""
     pairs = ((name, figures(geom), figures(after.geoms[name])) for name, geom in before.geoms.items())
     geoms = {name for name, first, second in pairs if not np.allclose(first, second, rtol=0, atol=1e-12)}
     pairs = zip(before.bodies, after.bodies, strict=True)
@@ -105,7 +100,6 @@ def differences(before, after) -> tuple[set[str], set[str]]:
 @pytest.mark.parametrize("side", ["", "left", "right"])
 @pytest.mark.parametrize("hands", HANDS)
 def test_what_changes_is_what_says_that_it_follows(hands, side):
-    """So nothing unrelated changes, `mimoc explain` leaves nothing out, and one side leaves the other alone."""
     before = tree_of(spec(hands))
     for name in LIMB_MEASUREMENTS if side else MEASUREMENTS:
         key = "_".join(filter(None, (side, name, "cm")))
@@ -137,9 +131,6 @@ def test_both_sides_one_by_one_are_both_sides_at_once(hands, name):
     assert tree_of(spec(hands, measurements=overruled)) == together, "the one side says more than both"
 
 
-# Parts.
-
-
 def lengthened(name: str) -> int:
     """Return the axis that a part's length runs along in its own frame."""
     return 0 if name.split("_", 1)[-1] in ("foot", "toes", "big_toe") else 2
@@ -147,7 +138,6 @@ def lengthened(name: str) -> int:
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_a_part_is_scaled_along_and_across_with_all_that_is_attached(hands):
-    """Sizes, joints, children, mass, strength; and nothing else."""
     before = tree_of(spec(hands))
     length, thickness = 1.1, 1.04
     for part in before.bodies:
@@ -218,7 +208,6 @@ def test_a_box_and_a_rod_are_scaled_as_their_part_lies():
 
 
 def test_what_sits_on_a_scaled_part_follows(infant_with, infant_at):
-    """Keypoints, cameras, eyes and features of the head, the site of balance, and the sole on the floor."""
     factor = 1.1
     parts = {
         "head": {"length": factor, "girth": factor},
@@ -269,8 +258,6 @@ def test_both_sides_of_a_symmetric_change_stay_mirror_images(hands):
             assert body.pos_m == tuple(np.multiply(other.pos_m, (1, -1, 1)))
 
 
-# Purity.
-
 CHANGED = {
     "individual": {"sex": "female", "length_percentile": 20, "weight_kg": 8},
     "measurements": {"foot_length_cm": 11.2, "left_forearm_circumference_cm": 13.0, "head_circumference_cm": 44},
@@ -286,7 +273,6 @@ CHANGED = {
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_one_infant_leaves_nothing_behind_for_the_next(hands):
-    """A, then B, then A gives A's bytes twice."""
     one, other = spec(hands, **CHANGED), spec(hands)
     first, between_them, again, plain = (mimoc.build(infant).files for infant in (one, other, one, other))
     assert first == again
@@ -297,7 +283,6 @@ def test_one_infant_leaves_nothing_behind_for_the_next(hands):
 @settings(max_examples=10)
 @given(seed=st.integers(0, 1000))
 def test_the_order_of_keys_does_not_matter(seed):
-    """Of the sections, of the measurements, of the parts, and of what is removed."""
     chance = random.Random(seed)
 
     def shuffled(data):
@@ -313,7 +298,6 @@ def test_the_order_of_keys_does_not_matter(seed):
 @settings(max_examples=20)
 @given(data=st.data(), hands=st.sampled_from(HANDS), age_months=st.floats(0, 24))
 def test_any_mild_change_builds_and_mujoco_takes_it(data, hands, age_months, infant_with):
-    """Any measurements by up to 8 %, any parts by up to 15 %."""
     keys = [name for name in MEASUREMENTS if name not in INERT[hands]]
     average = measure(age_months)
     changed = data.draw(st.dictionaries(st.sampled_from(keys), st.floats(0.92, 1.08), max_size=4))

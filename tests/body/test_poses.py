@@ -107,7 +107,6 @@ def test_the_body_lies_and_stands_as_the_pose_says(infant_at, age_months):
 
 
 def test_left_and_right_are_posed_alike():
-    """But on its belly, an infant lies on its cheek."""
     tree = grow_tree(measure(9), assemble("mitten", False))
     for keyframe in keyframes(tree):
         angles = dict(zip(tree.joints, keyframe.qpos[7:], strict=True))

@@ -20,7 +20,6 @@ TABLE_ROW = re.compile(r"anthrokids\.csv:(\d+)")
 
 @pytest.fixture(params=BODIES, ids=str)
 def which(request) -> tuple[float, str, bool]:
-    """Return age, hands and chest joint."""
     return request.param
 
 
@@ -91,7 +90,6 @@ def test_sources_exist_and_never_lead_in_a_circle(entries):
 
 
 def test_every_entry_ends_in_the_spec_or_in_the_reference_body_or_says_how_certain_it_is(entries):
-    """And everything that grows ends in the age."""
     for key, entry in entries.items():
         assert entry["rule"], key
         if not entry.get("from"):
@@ -121,15 +119,12 @@ def test_a_measurement_is_its_fit_at_its_age(bundle, entries):
 
 
 def test_rules_of_the_published_law_are_the_same_at_every_age():
-    """Only values, and the place in the spec, depend on the infant."""
     keys = {"mimoc": 1, "name": "infant", "development": "published"}
     specs = [mimoc.InfantSpec.model_validate({**keys, "age_months": age_months}) for age_months in (0, 24)]
     young, old = (entries_of(mimoc.build(spec)) for spec in specs)
     young["who.arm_circumference_cm.percentile"] = old["who.arm_circumference_cm.percentile"]  # WHO's start at 91 days.
     assert {key: entry["rule"] for key, entry in young.items()} == {key: entry["rule"] for key, entry in old.items()}
 
-
-# What a spec changes of one child.
 
 ONE_CHILD = """\
 mimoc: 1
@@ -165,7 +160,6 @@ def told(one_child) -> dict[str, dict]:
 
 
 def behind(entries: dict[str, dict], key: str) -> set[str]:
-    """Return everything that a number comes from, all the way back."""
     return {key}.union(*(behind(entries, source) for source in entries[key].get("from", ())))
 
 
@@ -188,7 +182,6 @@ def _all(explanation):
 
 
 def test_every_key_about_the_body_is_behind_some_number(told):
-    """Nothing that a spec says of a body is passed over in silence."""
     numbers = [key for key in told if key.startswith(("geom.", "body."))]
     reached = set().union(*(behind(told, key) for key in numbers))
     said = {key for key in told if key.startswith("spec.body.") and told[key]["rule"] != "default"}

@@ -57,40 +57,25 @@ def numbers(row, *columns):
     return [float(row[column]) for column in columns]
 
 
-@pytest.fixture(params=INFANTS, ids=str)
-def infant(request):
-    return request.param
-
-
-def test_sizes_and_places_of_geoms_are_mimo_v2s(infant):
-    model = model_of(*infant)
+@pytest.mark.parametrize("infant", INFANTS, ids=str)
+def test_sizes_places_masses_and_torques_are_mimo_v2s(infant):
+    (hands, age_months), model = infant, model_of(*infant)
+    grown = grow_average(age_months, assemble(hands, True, "published")).geoms
     for row in rows("geoms", *infant):
-        geom = model.geom(row["geom"].removeprefix("geom:"))
+        name = row["geom"].removeprefix("geom:")
+        geom = model.geom(name)
         wanted_m = numbers(row, "size1_m", "size2_m", "size3_m")
         used = {"sphere": 1, "box": 3}.get(row["type"], 2)
         assert geom.size[:used] == pytest.approx(wanted_m[:used], abs=1e-8), row
         assert geom.pos == pytest.approx(numbers(row, "x_m", "y_m", "z_m"), abs=1e-8), row
         assert model.body(geom.bodyid[0]).name == row["body"]
-
-
-def test_places_of_bodies_are_mimo_v2s(infant):
+        assert grown[name].mass_kg == pytest.approx(float(row["mass_kg"]), rel=1e-8), row
     for row in rows("bodies", *infant):
         if row["body"] != "hip":  # The free body stands on the floor.
-            place_m = model_of(*infant).body(row["body"]).pos
+            place_m = model.body(row["body"]).pos
             assert place_m == pytest.approx(numbers(row, "x_m", "y_m", "z_m"), abs=1e-8), row
-
-
-def test_masses_are_mimo_v2s(infant):
-    hands, age_months = infant
-    geoms = grow_average(age_months, assemble(hands, True, "published")).geoms
-    for row in rows("geoms", *infant):
-        mass_kg = geoms[row["geom"].removeprefix("geom:")].mass_kg
-        assert mass_kg == pytest.approx(float(row["mass_kg"]), rel=1e-8), row
-
-
-def test_torques_are_mimo_v2s(infant):
     for row in rows("gears", *infant):
-        assert model_of(*infant).actuator(row["motor"]).gear[0] == pytest.approx(float(row["gear_nm"]), rel=1e-8), row
+        assert model.actuator(row["motor"]).gear[0] == pytest.approx(float(row["gear_nm"]), rel=1e-8), row
 
 
 @pytest.mark.parametrize("hands", HANDS)
@@ -189,7 +174,6 @@ INDIVIDUALS = (
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("individual", INDIVIDUALS, ids=str)
 def test_an_individual_has_its_length_weight_and_head(individual, hands):
-    """Without a weight it is the average child's body, scaled."""
     grown = grow_body(spec_of(6, hands, body={"individual": individual}))
     average = grow_average(6, assemble(hands, True, "published"))
     if "length_cm" in individual:

@@ -84,7 +84,6 @@ def test_newborns_lie_flexed_with_closed_hands():
 
 
 def test_what_strength_holds_is_of_trunk_neck_and_legs():
-    """Lying takes none; arms are slack in all poses."""
     assert POSES["supine"].held == POSES["prone"].held == ()
     groups = builder(spec_of(9)).tree.muscle_groups
     model = load_model(build(spec_of(9)))
@@ -95,7 +94,6 @@ def test_what_strength_holds_is_of_trunk_neck_and_legs():
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_newborns_slump_as_they_sit_less_from_month_to_month(hands):
-    """Their backs are round and their heads low; from 4 months on, they sit as older infants do."""
     months = (0, 1, 2, 3, 4, 6)
     trunks_deg, heads_deg = zip(*(leaning_deg(spec_of(month, hands)) for month in months), strict=True)
     assert trunks_deg[0] > 30 > 20 > trunks_deg[-1]

@@ -7,6 +7,5 @@ import pytest
 
 @pytest.fixture
 def out(tmp_path) -> Path:
-    """Return a folder for a bundle, alone in its parent."""
     (tmp_path / "builds").mkdir()
     return tmp_path / "builds" / "infant"

@@ -35,10 +35,7 @@ def test_what_is_unpacked_is_what_was_packed(packed):
 
 def test_the_bytes_do_not_depend_on_order_layout_or_the_clock():
     points = np.arange(6.0).reshape(2, 3)
-    same = [
-        {"a": points, "b": points[0]},
-        {"b": points[0].astype(">f8"), "a": np.asfortranarray(points)},
-    ]
+    same = [{"a": points, "b": points[0]}, {"b": points[0].astype(">f8"), "a": np.asfortranarray(points)}]
     first, second = map(pack_arrays, same)
     assert first == second
     with zipfile.ZipFile(io.BytesIO(first)) as archive:

@@ -9,17 +9,7 @@ from hypothesis import given, strategies as st
 from support.bundles import ONE, TWO, contents
 
 from mimoc.base.errors import BundleError
-from mimoc.bundle.io import (
-    LOCK,
-    MANIFEST,
-    MAX_LOCK_BYTES,
-    digests,
-    lock_files,
-    read_bundle,
-    write_bundle,
-)
-
-# What is written is what is read.
+from mimoc.bundle.io import LOCK, MANIFEST, MAX_LOCK_BYTES, digests, lock_files, read_bundle, write_bundle
 
 
 def test_what_is_written_is_what_is_read(out):
@@ -62,17 +52,6 @@ def test_a_bundle_in_memory_cannot_be_changed():
         ONE.files["infant.xml"] = b""  # pyright: ignore[reportIndexIssue]
 
 
-# What was changed is named.
-
-
-def test_a_changed_file_is_named(out):
-    write_bundle(ONE, out)
-    (out / "infant.xml").write_bytes(b"One")
-    with pytest.raises(BundleError) as error:
-        read_bundle(out)
-    assert str(error.value) == f"{out}: infant.xml was changed; build it again with 'mimoc build --force'"
-
-
 def test_every_file_that_is_wrong_is_named(out):
     write_bundle(ONE, out)
     (out / "infant.xml").write_bytes(b"")
@@ -90,8 +69,9 @@ def test_every_file_that_is_wrong_is_named(out):
 def test_a_change_of_any_file_is_found(out, name):
     write_bundle(ONE, out)
     (out / name).write_bytes(ONE.files[name] + b" ")
-    with pytest.raises(BundleError, match=f"{name} was changed"):
+    with pytest.raises(BundleError) as error:
         read_bundle(out)
+    assert str(error.value) == f"{out}: {name} was changed; build it again with 'mimoc build --force'"
 
 
 @pytest.mark.parametrize(
@@ -104,7 +84,6 @@ def test_a_change_of_any_file_is_found(out, name):
     ],
 )
 def test_a_path_that_is_no_longer_a_file_is_named(out, replace, said):
-    """A named pipe, too, which the reader does not wait for."""
     write_bundle(ONE, out)
     (out / "infant.xml").unlink()
     replace(out / "infant.xml")
@@ -127,15 +106,11 @@ def test_a_bundle_is_found_by_a_link_to_its_folder(out):
 
 
 def test_files_outside_the_lock_are_ignored_but_do_not_survive_force(out):
-    """`--force` replaces the folder as a whole."""
     write_bundle(ONE, out)
     (out / "notes.txt").write_text("mine")
     assert read_bundle(out).files == ONE.files
     write_bundle(TWO, out, force=True)
     assert contents(out) == dict(TWO.files)
-
-
-# What is no bundle is refused.
 
 
 def test_the_error_for_a_missing_folder_says_how_to_build_a_bundle(tmp_path):
@@ -218,9 +193,6 @@ def test_a_manifest_of_another_kind_is_refused_with_a_clear_error(out, manifest)
     assert read_bundle(write_bundle(ONE, out, force=True)).files == ONE.files
 
 
-# Nothing is lost.
-
-
 @pytest.mark.parametrize("force", [False, True])
 def test_a_folder_that_is_not_a_bundle_is_never_replaced(out, force):
     out.mkdir()
@@ -262,9 +234,6 @@ def test_an_empty_folder_can_be_written_to(out):
     assert read_bundle(out).files == ONE.files
 
 
-# Any way to name a folder.
-
-
 def test_a_link_is_followed_and_stays_a_link(out, tmp_path):
     link = tmp_path / "link"
     link.symlink_to(out)
@@ -276,8 +245,14 @@ def test_a_link_is_followed_and_stays_a_link(out, tmp_path):
     assert os.listdir(out.parent) == [out.name]
 
 
-@pytest.mark.parametrize("name", ["~/infant", "builds/infant", "builds/infant/", "./builds/../builds/infant", "a/b/c"])
-def test_home_relative_and_missing_folders_are_accepted(tmp_path, monkeypatch, name):
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("with blank", "run[1]", "run*", "häschen", "-o", ".hidden", "~/infant", "a" * 100),
+        *("builds/infant", "builds/infant/", "./builds/../builds/infant", "a/b/c"),
+    ],
+)
+def test_unusual_home_relative_and_missing_folders_are_accepted(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HOME", str(tmp_path))
     write_bundle(ONE, name)
@@ -306,14 +281,6 @@ def test_nothing_is_written_outside_the_folder(out):
 def test_impossible_names_are_refused(tmp_path):
     with pytest.raises(BundleError, match="cannot have this name"):
         write_bundle(ONE, tmp_path / "no\0name")
-
-
-@pytest.mark.parametrize("name", ["with blank", "run[1]", "run*", "häschen", "-o", ".hidden", "a" * 100])
-def test_unusual_folder_names_are_accepted(tmp_path, name):
-    write_bundle(ONE, tmp_path / name)
-    write_bundle(TWO, tmp_path / name, force=True)
-    assert read_bundle(tmp_path / name).files == TWO.files
-    assert os.listdir(tmp_path) == [name]
 
 
 @pytest.mark.parametrize(

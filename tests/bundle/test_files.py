@@ -1,28 +1,28 @@
+"""Files are written whole or not at all, and two folders change places at once or by taking turns."""
+
+import errno
 import os
 import stat
+import sys
 import threading
+from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
+from support.bundles import ONE, TWO
 
 from mimoc.base.errors import OutputError
-from mimoc.bundle.files import staged_folder, write_file
+from mimoc.bundle import files
+from mimoc.bundle.files import staged_folder, swap_folders, write_file
+from mimoc.bundle.io import read_bundle, write_bundle
 
 
-def test_a_file_is_written_and_its_path_returned(tmp_path):
-    assert write_file(tmp_path / "a.png", b"new") == tmp_path / "a.png"
-    assert (tmp_path / "a.png").read_bytes() == b"new"
-
-
-def test_an_old_file_is_replaced(tmp_path):
-    (tmp_path / "a").write_bytes(b"an old and longer text")
-    write_file(tmp_path / "a", b"new")
-    assert (tmp_path / "a").read_bytes() == b"new"
-
-
-def test_nothing_else_is_left_behind(tmp_path):
-    write_file(tmp_path / "a", b"new")
-    assert os.listdir(tmp_path) == ["a"]
+def test_a_file_is_written_or_replaced_and_its_path_returned(tmp_path):
+    for content in (b"an old and longer text", b"new"):
+        assert write_file(tmp_path / "a.png", content) == tmp_path / "a.png"
+        assert (tmp_path / "a.png").read_bytes() == content
+    assert os.listdir(tmp_path) == ["a.png"]
 
 
 def test_a_new_file_has_the_permissions_that_new_files_get(tmp_path):
@@ -48,7 +48,6 @@ def test_a_failed_write_raises_an_error_and_leaves_nothing(place, tmp_path):
 
 
 def test_readers_see_the_old_content_or_the_new(tmp_path):
-    """A reader in another thread never sees a part of a file."""
     contents = [b"a" * 1_000_000, b"b" * 1_000_000]
     path, seen, done = tmp_path / "a", set(), threading.Event()
     write_file(path, contents[0])
@@ -75,3 +74,64 @@ def test_a_staged_folder_takes_the_place_of_a_full_one_only_if_that_is_asked_for
         (target / "old").touch()
     assert [path.name for path in target.iterdir()] == ["new" if force else "old"]
     assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.fixture
+def folders(tmp_path) -> tuple[Path, Path]:
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+        (folder / "name").write_text(folder.name)
+    return first, second
+
+
+def names(*folders: Path) -> list[str]:
+    return [(folder / "name").read_text() for folder in folders]
+
+
+def refuse(number: int) -> Callable[..., None]:
+    def function(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    return function
+
+
+@pytest.mark.parametrize("number", [None, errno.ENOSYS, errno.EINVAL, errno.ENOTSUP])
+def test_two_folders_are_swapped_also_if_the_system_has_no_atomic_swap(folders, monkeypatch, number):
+    if number is not None:
+        monkeypatch.setattr(files, "_swap_at_once", refuse(number))
+    swap_folders(*folders)
+    assert names(*folders) == ["second", "first"]
+    assert len(os.listdir(folders[0].parent)) == 2
+
+
+def test_two_folders_are_swapped_on_an_unknown_system(folders, monkeypatch):
+    monkeypatch.setattr(sys, "platform", "plan9")
+    swap_folders(*folders)
+    assert names(*folders) == ["second", "first"]
+
+
+def test_a_failed_swap_without_atomic_swap_restores_both_folders(folders, monkeypatch):
+    monkeypatch.setattr(files, "_swap_at_once", refuse(errno.EINVAL))
+    rename = os.rename
+    monkeypatch.setattr(os, "rename", lambda a, b: refuse(errno.EIO)() if a == folders[0] else rename(a, b))
+    with pytest.raises(OSError, match=os.strerror(errno.EIO)):
+        swap_folders(*folders)
+    assert names(*folders) == ["first", "second"]
+
+
+def test_other_failures_of_a_swap_are_raised(folders, monkeypatch):
+    with pytest.raises(FileNotFoundError):
+        swap_folders(folders[0], folders[1] / "nothing")
+    monkeypatch.setattr(files, "_swap_at_once", refuse(errno.EACCES))
+    with pytest.raises(PermissionError):
+        swap_folders(*folders)
+    assert names(*folders) == ["first", "second"]
+
+
+def test_a_bundle_is_replaced_without_atomic_swap_too(out, monkeypatch):
+    write_bundle(ONE, out)
+    monkeypatch.setattr(files, "_swap_at_once", refuse(errno.EINVAL))
+    write_bundle(TWO, out, force=True)
+    assert read_bundle(out).files == TWO.files
+    assert os.listdir(out.parent) == [out.name]

@@ -19,14 +19,11 @@ from mimoc.bundle import io as bundle_io
 from mimoc.bundle.files import writer_prefix
 from mimoc.bundle.io import read_bundle, write_bundle
 
-# What is interrupted leaves nothing.
-
 
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize("failure", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()])
 @pytest.mark.parametrize("step", range(len(ONE.files) + 1))
 def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, step):
-    """At every file, and when the finished folder is to be moved."""
     if force:
         write_bundle(ONE, out)
     before = contents(out.parent)
@@ -47,8 +44,6 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
     assert contents(out.parent) == before
     assert os.listdir(out.parent) == ([out.name] if force else [])
 
-
-# Builds that are killed or race with each other: a process that has loaded mimoc forks builders.
 
 BUILDERS = """
 import os, signal, sys

@@ -44,18 +44,3 @@ def test_shared_phrases_sources_and_places_are_written_once():
     assert written["sources"] == [("spec.age_months", "geom.*.size")]
     assert len(written["origins"]) == 1
     assert unpacked(written) == entries
-
-
-def test_bundles_in_which_numbers_share_no_origins_are_read():
-    """Each of their numbers says by itself what it consists of."""
-    written = {
-        "numbers": {"geom.head.mass": {"value": 1, "rule": [0, 1], "from": 0}},
-        "phrases": ["a law;", "another"],
-        "sources": [["geom.*.size"]],
-    }
-    assert unpacked(written) == {"geom.head.mass": {"value": 1, "rule": "a law; another", "from": ["geom.head.size"]}}
-
-
-def test_bundles_of_before_are_read():
-    entries = {"geom.head.mass": {"value": 1, "rule": "a law; another", "from": ["spec.age_months"]}}
-    assert unpacked(entries) == entries

@@ -26,6 +26,5 @@ def one_age(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def here(tmp_path, monkeypatch) -> Path:
-    """Return an empty folder that is the working directory."""
     monkeypatch.chdir(tmp_path)
     return tmp_path

@@ -12,9 +12,9 @@ from support.full import full_rows
 
 import mimoc
 from mimoc.bundle.io import LOCK, lock_files
-from mimoc.studies import movement
-from mimoc.studies.growth import who
-from mimoc.studies.movement import TRIALS
+from mimoc.studies import growth
+from mimoc.studies.movement import report as movement
+from mimoc.studies.movement.report import TRIALS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SPEC = str(CONFIGS / "nine_months.yaml")
@@ -113,8 +113,8 @@ def check_tables(text):
 
 
 def test_validate_fails_outside_one_sd(invoke, monkeypatch):
-    row = who.Row(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
-    monkeypatch.setattr(who, "grow_against_who", lambda *_, **__: who.GrowthReport((row,)))
+    row = growth.GrowthRow(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
+    monkeypatch.setattr(growth, "grow_against_who", lambda *_, **__: growth.GrowthReport((row,)))
     done = invoke("validate")
     assert done.code == 1
     assert re.search(r"\+1\.20\* .* missed *│$", done.out, re.MULTILINE)
@@ -352,6 +352,6 @@ def test_every_problem_of_a_spec_is_reported_with_its_line(invoke, here):
 
 
 def test_a_bug_in_mimoc_is_not_hidden(invoke, monkeypatch):
-    monkeypatch.setattr(who, "grow_against_who", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(growth, "grow_against_who", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         invoke("validate")

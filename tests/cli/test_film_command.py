@@ -20,7 +20,6 @@ def built(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def run(invoke, here, built):
-    """Return what runs `mimoc run` in an empty folder."""
     return lambda arguments: invoke("run", built, *shlex.split(arguments))
 
 

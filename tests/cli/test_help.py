@@ -16,8 +16,8 @@ from support.full import FULL
 import mimoc
 from mimoc.cli import cohort, commands
 from mimoc.motion.body_points import film
+from mimoc.studies import growth as validation
 from mimoc.studies.experiments import growth
-from mimoc.studies.growth import who
 from mimoc.training import settings
 from mimoc.training.settings import HYPERPARAMETERS
 
@@ -54,7 +54,6 @@ def test_the_help_of_each_command_has_an_example(invoke, command, option):
 
 
 def without_notes(printed: str) -> list[str]:
-    """Return lines that are neither notes nor how far a training is."""
     return [line for line in printed.splitlines() if not (line.startswith("note: ") or line.endswith(" left"))]
 
 
@@ -65,7 +64,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     ppo = HYPERPARAMETERS["ppo"]
     brief = {"n_steps": replace(ppo["n_steps"], default=32), "n_epochs": replace(ppo["n_epochs"], default=1)}
     monkeypatch.setattr(settings, "HYPERPARAMETERS", {"ppo": ppo | brief})
-    monkeypatch.setattr(who, "MONTHS", (0, 12))
+    monkeypatch.setattr(validation, "MONTHS", (0, 12))
     monkeypatch.setattr(growth, "QUICK_MONTHS", (6,))
     (here / "config.yml").symlink_to(CONFIGS / "babybench.yml")
     for name in ("nine_months", "playroom", "reach"):

@@ -8,12 +8,13 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc.components.senses.vision.build_acuity import acuity_at
+from mimoc.base.errors import MimocError
+from mimoc.cli.pictures import read_ages
+from mimoc.components.senses.vision.build import acuity_at
 
 
 @pytest.fixture
 def see(invoke, here):
-    """Return what runs `mimoc see` on an infant in an empty folder."""
     return lambda arguments, infant: invoke("see", infant, *shlex.split(arguments))
 
 
@@ -130,3 +131,13 @@ def test_the_help_has_an_example(see, blind):
     code, out, _ = see("--help", blind)
     assert code == 0
     assert "Example: mimoc see out/nine_months -o seen.png" in " ".join(out.split())
+
+
+def test_ages_of_a_sheet_are_read_in_months():
+    assert read_ages("0, 2.5,24") == (0, 2.5, 24)
+
+
+@pytest.mark.parametrize("text", ["", "old", "3,", "-1", "0,25", "nan"])
+def test_what_is_no_list_of_ages_of_infants_is_refused(text):
+    with pytest.raises(MimocError, match=r"is not a list of ages; give months from 0 to 24, as in 0,3,6,12,24"):
+        read_ages(text)

@@ -15,6 +15,7 @@ from support.full import full_but
 
 import mimoc
 from mimoc.cli.console import PlainProgress
+from mimoc.cli.terminal import printable
 
 SPEC = str(Path(__file__).parents[2] / "configs" / "nine_months.yaml")
 ESCAPE = "\x1b"
@@ -154,3 +155,25 @@ def test_elsewhere_than_in_a_terminal_long_work_is_a_line_now_and_then():
     assert 5 < len(written) < 40
     show(2000, 2000)
     assert written[-1].endswith(" left")
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("out/Zoë 3", "out/Zoë 3"),
+        ("a\x1b[31mb", "a\\x1b[31mb"),
+        ("a\rb\x07", "a\\rb\\x07"),
+        ("a\u202eb", "a\\u202eb"),
+        ("two\nlines", "two\nlines"),
+    ],
+)
+def test_what_a_terminal_would_obey_is_escaped(text, printed):
+    assert printable(text) == printed
+
+
+def test_a_command_escapes_the_names_of_its_files(invoke, here):
+    """In errors as well as in what it says that it has written."""
+    wrong = invoke("build", "a\x1b[31m.yaml", "-o", "out")
+    assert (wrong.code, wrong.err) == (2, "a\\x1b[31m.yaml:1:1: the file does not exist; check the path\n")
+    written = invoke("schema", "-o", "b\x1b[31m.json")
+    assert (written.code, written.out) == (0, "b\\x1b[31m.json\n")

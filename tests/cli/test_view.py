@@ -35,7 +35,7 @@ def test_in_a_terminal_with_a_display_it_opens_the_browser_unless_told_not_to(
 ):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
-    monkeypatch.setattr("mimoc.cli.view._in_a_terminal", lambda: True)
+    monkeypatch.setattr("mimoc.cli.pages._in_a_terminal", lambda: True)
     monkeypatch.setenv("DISPLAY", ":0")
     assert invoke("view", built, "-o", "infant.html", *flags).code == 0
     assert len(opened) == expected

@@ -16,8 +16,8 @@ import pytest
 from support.commands import process
 
 from mimoc.base.errors import MimocError
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.cohorts import Cohort
+from mimoc.schema.source import dump
+from mimoc.studies.cohorts.cohort import Cohort
 
 HERE = Path(__file__).parent
 PATIENCE_S = 600.0

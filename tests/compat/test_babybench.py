@@ -9,8 +9,8 @@ from hypothesis import given, settings, strategies as st
 
 import mimoc
 from mimoc.base.errors import SpecError, UnknownNameError
-from mimoc.compat.import_babybench.senses import REGIONS
-from mimoc.compat.importing import IMPORTERS, import_config
+from mimoc.compat import SYSTEMS, import_config
+from mimoc.compat.babybench import REGIONS
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import STRENGTH_GROUPS
 
@@ -384,7 +384,7 @@ def test_a_configuration_that_is_not_there_is_refused(tmp_path):
 
 
 def test_an_unknown_system_is_refused():
-    assert set(IMPORTERS) == {"babybench", "mimo"}
+    assert set(SYSTEMS) == {"babybench", "mimo"}
     with pytest.raises(UnknownNameError, match="'babybnch' is not a format to import from; did you mean 'babybench'"):
         import_config("babybnch", EXAMPLE)
 

@@ -12,7 +12,7 @@ from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.compiler.measuring import MEASURES, compile_infant, measure_body
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import SIDES, limb_bodies
-from mimoc.studies.growth.anthrokids import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
+from mimoc.studies.growth import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
 
 """Of the published law, whose head is a sphere."""
 

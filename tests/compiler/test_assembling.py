@@ -6,13 +6,13 @@ import pytest
 
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
-from mimoc.compiler.actuation.setup import build_actuation
+from mimoc.compiler.actuation import build_actuation
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.building import builder
 from mimoc.compiler.looks.appearance import HEAD_FEATURES
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
-from mimoc.schema.expressions import EXPRESSIONS
+from mimoc.schema.body import EXPRESSIONS
 
 MITTEN = assemble("mitten", False)
 SIZES = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")

@@ -11,7 +11,7 @@ from support import store
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.schema import InfantSpec
-from mimoc.schema.components.senses import SENSES
+from mimoc.schema.kinds import SENSES
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 
@@ -84,7 +84,7 @@ BUILT = {
     "senses.vision.focus": 1,
     "senses.vision.vergence": "age",
     "senses.vision.fovea": "age",
-    "senses.vision.flicker": "age",
+    "senses.vision.filters": "age",
     "delays.preset": "paper",
     "delays.sensory_ms": 50,
     "delays.proprioception_ms": 50,

@@ -13,12 +13,11 @@ from mimoc.base.errors import NoSpaceError
 from mimoc.compiler import building, model_check
 from mimoc.compiler.mjcf.scene import SceneTree
 from mimoc.compiler.placing import SceneAssets, place_in_scene
-from mimoc.compiler.scenes.footprint import footprint, reachable_floor
+from mimoc.compiler.scenes import footprint, reachable_floor
 from mimoc.compiler.toys.placing import GAP_M
 
 SIX = {"count": [6, 6]}
-INFANTS = {0: "mitten", 9: "five_finger", 24: "mitten"}
-"""Age in months, and hands."""
+INFANTS = {0: "mitten", 9: "five_finger", 24: "mitten"}  # Age in months, and hands.
 TOUCH_M = 1.5e-4
 """How deep things may be in each other at the start: as deep as bodies rest on the floor, and a rounding."""
 

@@ -111,7 +111,7 @@ def test_an_expression_changes_the_material_of_the_head(built):
 def test_infants_that_differ_in_their_scenes_alone_share_a_skin(monkeypatch):
     carried = []
     monkeypatch.setattr(carrying, "layers_of", lambda *args: carried.append(args) or layers_of(*args))
-    carrying.skins.cache_clear()
+    carrying.skin_of.cache_clear()
     for seed in (1, 2):
         mimoc.build(spec(scene={"kind": "room", "seed": seed}))
     assert len(carried) == 1
@@ -136,7 +136,7 @@ def test_a_skin_of_a_bundle_is_that_of_its_spec(built):
 def test_skin_is_carried_to_another_age_only_for_what_draws_it(keys, options, expected, monkeypatch):
     carried = []
     monkeypatch.setattr(carrying, "layers_of", lambda *args: carried.append(args) or layers_of(*args))
-    carrying.skins.cache_clear()
+    carrying.skin_of.cache_clear()
     with mimoc.make(spec(**keys), **options) as env:
         env.reset(seed=0)
         carried.clear()

@@ -57,8 +57,7 @@ def test_toys_are_around_the_infant_that_they_name():
     assert all(apart_m(data, toy.body, "ben_hip") < 1.5 for toy in bundle.manifest.toys)
 
 
-BEYOND = {"frame": "infant", "x_cm": 60, "y_cm": 0, "z_cm": 30}
-"""The feet of an infant on its back."""
+BEYOND = {"frame": "infant", "x_cm": 60, "y_cm": 0, "z_cm": 30}  # The feet of an infant on its back.
 MOBILE = {"kind": "mobile", "name": "mobile", "at": BEYOND, "tied_to": "left_foot"}
 
 

@@ -20,16 +20,14 @@ from PIL import Image
 from support.same import assert_same
 
 import mimoc
-from mimoc.movement.simulated import film_recording
+from mimoc.movement.filming import film_recording
 from mimoc.runtime.expression import expression_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "environments.md"
-Fact = Callable[[Kind, Path], None]
-"""States what is true of a kind of environments; it may write into a folder."""
+Fact = Callable[[Kind, Path], None]  # States what is true of a kind of environments; it may write into a folder.
 
 
 def row_by_row(kind: Kind, ours: Any, theirs: Any) -> None:
-    """Compare what an infant observes here with what it observes alone."""
     assert ours.keys() == theirs.keys()
     for name, readings in theirs.items():
         if kind.tolerance == 0.0:
@@ -57,11 +55,7 @@ def as_alone(kind: Kind, spec: Mapping[str, Any] = KIM, steps: int = 3, **given:
                 assert here.infos[number]["age_months"] == pytest.approx(alone[number].infos[0]["age_months"])
 
 
-# Episodes.
-
-
 def runs(kind: Kind, folder: Path) -> None:
-    """With delays, jitter and noise, each infant observes what it does alone."""
     late = {"delays": {"sensory_ms": 20, "motor_ms": 10}}
     chance = {"noise": {"proprioception_deg": 2, "motor": 0.1, "delay_jitter_ms": 5}}
     as_alone(kind, {**KIM, **late, **({} if kind is ON_DEVICE else chance)}, steps=6)
@@ -147,9 +141,6 @@ def grows_by_a_schedule(kind: Kind, folder: Path) -> None:
     assert ages == [{schedule(step)} for step in range(6)]
 
 
-# What can be done to an infant.
-
-
 def has_expressions(kind: Kind, folder: Path) -> None:
     with kind.open() as here:
         here.reset(seed=0)
@@ -170,7 +161,6 @@ def is_aroused(kind: Kind, folder: Path) -> None:
 
 
 def says_what_it_is(kind: Kind, folder: Path) -> None:
-    """Manifest, layouts, spaces, limits and age of each infant."""
     with kind.open() as here:
         for row, infant in zip(here.reset(seed=0), here.infants, strict=kind is not ON_DEVICE):
             assert infant.observation_space.contains(row)
@@ -181,7 +171,6 @@ def says_what_it_is(kind: Kind, folder: Path) -> None:
 
 
 def says_how_it_is(kind: Kind, folder: Path) -> None:
-    """Keypoints, effort, skin and arousal of each infant change."""
     with kind.open({**KIM, "senses": {"touch": {"density": 0.2}}}) as here:
         here.reset(seed=0)
         starts_m = [infant.keypoints() for infant in here.infants]
@@ -191,9 +180,6 @@ def says_how_it_is(kind: Kind, folder: Path) -> None:
             assert infant.effort() > 0
             assert infant.skin.positions.shape == infant.skin.forces.shape
             assert (infant.steps, infant.arousal) == (4, 1.0)
-
-
-# States and copies.
 
 
 def keeps_states(kind: Kind, folder: Path) -> None:
@@ -223,9 +209,6 @@ def is_copied(kind: Kind, folder: Path) -> None:
 
 def is_pickled(kind: Kind, folder: Path) -> None:
     copied(kind, lambda env: pickle.loads(pickle.dumps(env)))
-
-
-# Objects of a script.
 
 
 @dataclass(frozen=True)
@@ -294,9 +277,6 @@ def has_a_companion_of_a_script(kind: Kind, folder: Path) -> None:
             assert infant.data.body(infant.manifest.root_body).xpos[2] > before_m + 0.05
 
 
-# What is around an infant.
-
-
 def has_a_caregiver(kind: Kind, folder: Path) -> None:
     with kind.open({**KIM, "age_months": 4}, scene={"caregiver": {}}) as here:
         here.reset(seed=0)
@@ -307,12 +287,8 @@ def has_a_caregiver(kind: Kind, folder: Path) -> None:
         assert all(infant.caregiver.acts for infant in here.infants)
 
 
-MOBILE = {
-    "kind": "mobile",
-    "name": "mobile",
-    "at": {"frame": "infant", "x_cm": 60, "y_cm": 0, "z_cm": 30},
-    "tied_to": "left_foot",
-}
+ABOVE = {"frame": "infant", "x_cm": 60, "y_cm": 0, "z_cm": 30}
+MOBILE = {"kind": "mobile", "name": "mobile", "at": ABOVE, "tied_to": "left_foot"}
 
 
 def has_a_ribbon(kind: Kind, folder: Path) -> None:
@@ -390,11 +366,7 @@ def is_rendered(kind: Kind, folder: Path) -> None:
         assert picture.shape[0] >= 32
 
 
-# Policies, and what runs them.
-
-
 def acts_by_policies(kind: Kind, folder: Path) -> None:
-    """Each infant is commanded what it is alone."""
     with ExitStack() as opened:
         here = opened.enter_context(kind.open())
         act = mimoc.policy_vec("general_movements+reflexes", here.env)
@@ -417,7 +389,6 @@ def has_policies_by_infant(kind: Kind, folder: Path) -> None:
 
 
 def is_evaluated(kind: Kind, folder: Path) -> None:
-    """Each infant earns what it earns alone."""
     options: dict[str, Any] = {"episodes": 2, "seed": 4, "steps_per_episode": 3}
     with kind.open(task=HeadUp(steps=3)) as here, ONE.open(task=HeadUp(steps=3)) as alone:
         outcomes = mimoc.evaluate(here.env, "random", **options)
@@ -431,7 +402,6 @@ def is_evaluated(kind: Kind, folder: Path) -> None:
 
 
 def recorded(kind: Kind, folder: Path, steps: int = 3, **options: Any) -> Path:
-    """Return the folder of a recording of some control steps of each infant."""
     with kind.open(**options) as here:
         recorder = type(here)(mimoc.Recorder(here.env, folder / "recording"))
         recorder.reset(seed=1)
@@ -441,7 +411,6 @@ def recorded(kind: Kind, folder: Path, steps: int = 3, **options: Any) -> Path:
 
 
 def is_recorded(kind: Kind, folder: Path) -> None:
-    """A recording has what all infants did and observed."""
     with kind.open() as here:
         recorder = type(here)(mimoc.Recorder(here.env, folder / "recording"))
         started, ended = recorder.reset(seed=1), recorder.flail(3)
@@ -457,7 +426,6 @@ def is_recorded(kind: Kind, folder: Path) -> None:
 
 
 def is_replayed(kind: Kind, folder: Path) -> None:
-    """Everything comes out again, with growth and restored states in between."""
     with kind.open() as here:
         recorder = type(here)(mimoc.Recorder(here.env, folder / "recording"))
         recorder.reset(seed=1)
@@ -480,7 +448,6 @@ def is_measured(kind: Kind, folder: Path) -> None:
 
 
 def has_its_movement_measured(kind: Kind, folder: Path) -> None:
-    """From points of the body in a recording that is simulated again."""
     path = recorded(kind, folder, steps=3 if kind is ON_DEVICE else 330)
     films = list(film_recording(path))
     assert len(films) == mimoc.read_recording(path).infants
@@ -516,11 +483,7 @@ def has_a_report(kind: Kind, folder: Path) -> None:
             assert page.stat().st_size > 10_000
 
 
-# Learning.
-
-
 def learns_with_stable_baselines(kind: Kind, folder: Path) -> None:
-    """All infants learn one policy, each a row."""
     from stable_baselines3 import PPO
 
     if kind is WORLD:
@@ -550,22 +513,17 @@ def is_trained(kind: Kind, folder: Path) -> None:
 class Capability:
     """Something that can be done with an environment."""
 
-    about: str
-    """What it is, as the table says it."""
+    about: str  # What it is, as the table says it.
     fact: Fact
-    names: str = ""
-    """Methods and attributes of environments that it uses."""
+    names: str = ""  # Methods and attributes of environments that it uses.
     functions: Mapping[str, Sequence[Kind]] = field(default_factory=dict)
     """Public functions of mimoc that it gives an environment to, with the kinds that each of them takes."""
     refusals: Mapping[str, str] = field(default_factory=dict)
     """By kind that does not have it, the line that says so, or a part of that."""
-    extras: bool = False
-    """Whether it needs libraries that only `make test-all` installs."""
-    is_slow: bool = False
-    """Whether some kinds take more than 5 s for it."""
+    extras: bool = False  # Whether it needs libraries that only `make test-all` installs.
+    is_slow: bool = False  # Whether some kinds take more than 5 s for it.
 
     def has(self, kind: Kind) -> bool:
-        """Return whether a kind has it."""
         return kind.name not in self.refusals
 
 
@@ -588,7 +546,7 @@ NO_CAREGIVER = {"device": "companion 'caregiver' acts " + OUT.format("it")}
 NO_WATER = {"device": "companion 'water' acts " + OUT.format("it")}
 
 
-CAPABILITIES: Mapping[str, Sequence[Capability]] = {
+CAPABILITIES: Mapping[str, Sequence[Capability]] = {  # Everything that can be done, under headings.
     "Episodes": (
         Capability("delays, jitter and noise; each infant as alone with its seed", runs, "reset step"),
         Capability("`pose` at a reset", starts_in_a_pose),
@@ -674,20 +632,17 @@ CAPABILITIES: Mapping[str, Sequence[Capability]] = {
         ),
     ),
 }
-"""Everything that can be done, under headings."""
 
-PARTS = {
+PARTS = {  # Other public names of environments, and what they are.
     "bind binding checked close_senses draw_from judge name observer random restore_model restore_signals schedule"
     " spaces start_signals start_task": "what a simulation calls of its infants",
     "close closed metadata render_mode spec np_random np_random_seed close_extras": "Gymnasium's own",
     "reset_each step_each set_attr simulations threads": "what learners, and others that step many, use",
     "overflows room": "how much of a device there is",
 }
-"""Other public names of environments, and what they are."""
 
 
 def all_capabilities() -> list[Capability]:
-    """Return all of them."""
     return [capability for group in CAPABILITIES.values() for capability in group]
 
 
@@ -697,7 +652,6 @@ def names_of(kind: Kind) -> set[str]:
 
 
 def functions_of(kind: Kind) -> set[str]:
-    """Return the public functions of mimoc that take environments of a kind."""
     pairs = [pair for capability in all_capabilities() for pair in capability.functions.items()]
     return {name for name, kinds in pairs if kind in kinds}
 
@@ -722,7 +676,6 @@ BEGIN, END = "<!-- The table of tests/contracts/capabilities.py. -->\n", "\n<!--
 
 
 def page_with(text: str) -> str:
-    """Return the page with another table."""
     page = PAGE.read_text(encoding="utf-8")
     before, _, rest = page.partition(BEGIN)
     return before + BEGIN + text + END + rest.partition(END)[2]

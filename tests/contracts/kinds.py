@@ -19,20 +19,16 @@ KIM: dict[str, Any] = {
     "age_months": 9,
     "senses": {"proprioception": {"include": ["velocity"]}, "vestibular": {}},
 }
-NAMES = "anna", "ben"
-"""The infants of a world."""
-FAR = {"y_cm": 0}, {"y_cm": 480}
-"""Their places, at which neither touches the other."""
+NAMES = "anna", "ben"  # The infants of a world.
+FAR = {"y_cm": 0}, {"y_cm": 480}  # Their places, at which neither touches the other.
 NOTHING: Mapping[str, Any] = {}
-Rows = list[dict[str, Any]]
-"""What each infant observes."""
+Rows = list[dict[str, Any]]  # What each infant observes.
 
 
 class Driven:
     """The environment of one infant, which is driven like those of several: all that is its infants' has a row each."""
 
     def __init__(self, env: Any):
-        """Drive an environment."""
         self.env = env
         self.infos: list[dict[str, Any]] = []
         """The infos of the last reset or step."""
@@ -40,28 +36,22 @@ class Driven:
 
     @property
     def infants(self) -> list[Any]:
-        """Its infants."""
         return [self.env.unwrapped]
 
     @property
     def action_space(self) -> Any:
-        """The space of the actions of one infant."""
         return self.env.action_space
 
     def rows(self, of_all: Any) -> list[Any]:
-        """Return what is said of all infants, a row for each."""
         return [of_all]
 
     def joined(self, rows: Sequence[Any]) -> Any:
-        """Return rows as this environment takes them."""
         return rows[0]
 
     def options(self, given: dict[str, Any]) -> Any:
-        """Return options of a reset, the same for each infant."""
         return given
 
     def reset(self, seed: int | None = None, **given: Any) -> Rows:
-        """Start an episode of each infant."""
         observation, info = self.env.reset(seed=seed, options=self.options(given) if given else None)
         self.infos = self.rows(info)
         return self.rows(observation)
@@ -91,7 +81,6 @@ class Driven:
 
     @property
     def count(self) -> int:
-        """Number of rows."""
         return len(self.infants)
 
     def grow(self, age_months: float) -> Rows:
@@ -99,7 +88,6 @@ class Driven:
         return self.rows(self.env.unwrapped.grow(age_months))
 
     def restore(self, state: Any) -> Rows:
-        """Restore a state."""
         return self.rows(self.env.unwrapped.set_state(state))
 
 
@@ -160,18 +148,13 @@ class Kind:
     """A kind of environments."""
 
     name: str
-    title: str
-    """Above its column of the table."""
-    made_by: str
-    """How it is made."""
+    title: str  # Above its column of the table.
+    made_by: str  # How it is made.
     driven: type[Driven]
-    source: Callable[..., Any]
-    """From the data of a spec, a scene, and what an infant starts at, to what it is made of."""
+    source: Callable[..., Any]  # From the data of a spec, a scene, and what an infant starts at, to what it is made of.
     make: Callable[..., Any]
-    by_infant: bool = False
-    """Whether tasks, senses and companions are given by the name of an infant."""
-    tolerance: float = 0.0
-    """By which readings may differ from those of an infant that is alone."""
+    by_infant: bool = False  # Whether tasks, senses and companions are given by the name of an infant.
+    tolerance: float = 0.0  # By which readings may differ from those of an infant that is alone.
     options: Mapping[str, Any] = field(default_factory=dict)
 
     @contextmanager
@@ -239,5 +222,4 @@ ON_DEVICE = Kind(
     tolerance=1e-3,
     options={"num_envs": 2, "device": DEVICE},
 )
-KINDS = (ONE, WORLD, MANY, WORLDS)
-"""On the CPU."""
+KINDS = (ONE, WORLD, MANY, WORLDS)  # On the CPU.

@@ -3,15 +3,7 @@
 from pathlib import Path
 
 import pytest
-from contracts.capabilities import (
-    PAGE,
-    PARTS,
-    Capability,
-    all_capabilities,
-    names_of,
-    page_with,
-    table,
-)
+from contracts.capabilities import PAGE, PARTS, Capability, all_capabilities, names_of, page_with, table
 from contracts.kinds import KINDS, MANY, ON_DEVICE, ONE, WORLD, WORLDS, Kind
 
 import mimoc
@@ -78,7 +70,6 @@ def test_many_infants_on_a_device(capability, tmp_path, kernels_compiled_quickly
 
 
 def public_names(environment: type) -> set[str]:
-    """Return the names of methods and attributes that mimoc gives to a class."""
     own = [cls for cls in environment.__mro__ if cls.__module__.startswith("mimoc")]
     return {name for cls in own for name in vars(cls) if not name.startswith("_")}
 

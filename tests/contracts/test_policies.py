@@ -15,12 +15,12 @@ from mimoc.policies.named import policy_of
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import needs_argument
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}, "touch": {"density": 0.3}}
 KIM: dict[str, Any] = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": SENSES, "scene": {"pose": "sitting"}}
 BEN = {**KIM, "name": "ben", "age_months": 6}
-ARGUMENTS = {
+ARGUMENTS = {  # Arguments of policies; one that cannot be chosen by its name alone must be here.
     "look_at": ("right_hand", "0.5,0.2,0.3"),
     "reach_for": ("0.15,-0.1,0.25,right", "left_foot"),
     "reflexes": ("1.5",),
@@ -28,7 +28,6 @@ ARGUMENTS = {
     "skill": ("sit", "roll"),
     "motion": ("DIR",),
 }
-"""Arguments of policies; one that cannot be chosen by its name alone must be here."""
 TEXTS = [
     *(name for name in POLICIES if not needs_argument(POLICIES[name])),
     *(f"{name}:{argument}" for name in POLICIES for argument in ARGUMENTS.get(name, ())),
@@ -43,7 +42,6 @@ def test_all_policies_are_here():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Return the folder of a motion of the infant."""
     path = tmp_path_factory.mktemp("motion")
     (path / "motion.npz").write_bytes(pack_motion(moved(built(KIM), 0.3)))
     return path

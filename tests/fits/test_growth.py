@@ -12,8 +12,7 @@ from mimoc.fits import load_tables, measure
 from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS
 from mimoc.fits.growth import BIRTH, fit_growth
 
-FINGERS = ("middle_finger_diameter", "thumb_diameter")
-"""Known by their published coefficients only."""
+FINGERS = ("middle_finger_diameter", "thumb_diameter")  # Known by their published coefficients only.
 
 QUARTER_MONTHS = [quarter / 4 for quarter in range(97)]
 
@@ -29,19 +28,12 @@ def test_published_group_ages_reproduce_the_published_fits(name):
         assert curve(age_months) == pytest.approx(published(age_months), abs=1e-3)
 
 
-def test_sixteen_measurements_have_published_fits_and_group_means():
-    assert len(load_tables().published.keys() & load_tables().anthrokids.keys()) == 16
-
-
 def test_published_placement_infers_nothing():
-    for _, points in fit_growth(load_tables(), "published", "paper").values():
+    fits = fit_growth(load_tables(), "published", "paper")
+    assert len(fits.keys() & load_tables().published.keys() & load_tables().anthrokids.keys()) == 16
+    for _, points in fits.values():
         assert min(point.age_months for point in points) == 1
         assert not any(BIRTH in point.origin for point in points)
-
-
-def test_groups_stand_at_the_middle_of_their_completed_months():
-    _, points = fit_growth(load_tables())["hand_length"]
-    assert [point.age_months for point in points] == [0, 1.5, 4.5, 7.5, 10.5, 14, 18, 22, 33]
 
 
 @given(younger=ages_months, older=ages_months)
@@ -53,14 +45,9 @@ def test_no_measurement_ever_decreases(younger, older):
 
 
 @given(age_months=ages_months)
-def test_measurements_are_lengths_of_a_small_child(age_months):
-    for name, value_m in measure(age_months).items():
-        assert 0.003 < value_m < 1, name
-
-
-@given(age_months=ages_months)
-def test_parts_are_shorter_than_the_whole(age_months):
+def test_measurements_are_lengths_of_a_small_child_whose_parts_are_shorter_than_the_whole(age_months):
     child = measure(age_months)
+    assert all(0.003 < value_m < 1 for value_m in child.values())
     assert child["crown_rump_length"] < child["crown_sole_length"]
     assert child["hand_length"] < child["elbow_hand_length"]
     assert child["head_breadth"] < child["head_length"]
@@ -75,7 +62,9 @@ def test_newborns_are_inferred_from_who():
     assert (head.age_months, head.value_cm) == (0, pytest.approx(34.17, abs=0.005))
 
 
-def test_every_inferred_point_is_marked_and_only_those():
+def test_groups_stand_at_the_middle_of_their_months_and_only_inferred_points_are_marked():
+    hands = measure(6).table["hand_length"].points
+    assert [point.age_months for point in hands] == [0, 1.5, 4.5, 7.5, 10.5, 14, 18, 22, 33]
     for name, measured in measure(6).table.items():
         inferred = [point for point in measured.points if point.origin.startswith(BIRTH)]
         assert [point.age_months for point in inferred] == ([] if name in FINGERS else [0])

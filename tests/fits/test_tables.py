@@ -14,7 +14,6 @@ FIRST_DAYS = {"length_cm": 0, "weight_kg": 0, "head_circumference_cm": 0, "arm_c
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch) -> Path:
-    """A copy of the tables that mimoc reads instead of its own."""
     copy = tmp_path / "data"
     shutil.copytree(tables.data_folder(), copy)
     monkeypatch.setattr(tables, "data_folder", lambda: copy)

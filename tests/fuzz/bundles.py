@@ -9,20 +9,18 @@ from unittest.mock import patch
 import numpy as np
 from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, changed_data, changed_xml, pick
-from fuzz.sealing import write_resealed
-from fuzz.strange_infants import VARIATIONS, honest_files
+from fuzz.strange_infants import VARIATIONS, honest_files, write_resealed
 from support.pages import few_ages
 
 import mimoc
 from mimoc.compiler.explain import explain
-from mimoc.viewer.notebook import bundle_html
+from mimoc.viewer.formatters import bundle_html
 from mimoc.viewer.page import page_of
 
 STEPS = 3
 
 
 def prepare(folder: Path) -> list[dict[str, bytes]]:
-    """Return the files of the honest bundles."""
     return [honest_files(number) for number in range(len(VARIATIONS))]
 
 
@@ -40,7 +38,6 @@ def attempt(prepared: list[dict[str, bytes]], generator: np.random.Generator, fo
 
 
 def live(env: Any, generator: np.random.Generator) -> None:
-    """Use an environment for a few steps."""
     env.reset(seed=1)
     for _ in range(STEPS):
         env.step(env.action_space.sample())
@@ -79,7 +76,6 @@ def _page(bundle: mimoc.Bundle) -> str:
 
 
 def spoiled(files: dict[str, bytes], generator: np.random.Generator) -> dict[str, bytes]:
-    """Return the files of a bundle with something changed."""
     kinds = ("manifest.json",) * 4 + ("infant.xml",) * 3 + ("scene.xml",) * 3 + ("asset",) * 2 + ("other",)
     kind = pick(generator, kinds)
     if kind == "manifest.json":

@@ -44,5 +44,4 @@ class Canaries:
         return sorted(names)
 
     def close(self) -> None:
-        """Watch no longer."""
         os.close(self._handle)

@@ -12,8 +12,8 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc.base.errors import MimocError
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.cohorts import Cohort
+from mimoc.schema.source import dump
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.plan import plan
 from mimoc.studies.cohorts.store import Result, Store
 
@@ -61,7 +61,6 @@ def copied(prepared: Path, folder: Path) -> Path:
 
 
 def ways(place: Path) -> tuple[Way, ...]:
-    """Return all that can be done with the folder of the cohort."""
     study, out, page = Cohort(place / "cohort.yaml"), place / "out", place / "page.html"
     built = [job for job in study.jobs() if job.step == "build"]
     return (

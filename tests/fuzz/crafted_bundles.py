@@ -304,13 +304,11 @@ def plant_fifo(folder: Path, outside: Path) -> None:
 
 
 def plant_link(folder: Path, outside: Path) -> None:
-    """Put a link to another picture in place of a texture."""
     os.unlink(folder / EYE)
     os.symlink(outside / "canary.png", folder / EYE)
 
 
 def plant_linked_folder(folder: Path, outside: Path) -> None:
-    """Put a link to another folder in place of the assets."""
     os.rename(folder / "assets", folder.parent / "moved")
     os.symlink(outside, folder / "assets")
 

@@ -27,12 +27,10 @@ class Runs:
     """Unpickling it runs code."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return the code."""
         return eval, (f"__import__('os').environ.__setitem__({MARKER!r}, 'yes')",)
 
 
 def packed(members: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
-    """Return members as a ZIP archive."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", compression) as archive:
         for name, member in members.items():
@@ -41,7 +39,6 @@ def packed(members: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED
 
 
 def unpacked(content: bytes) -> Members:
-    """Return the members of a ZIP archive."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 
@@ -68,8 +65,6 @@ def _about(*keys: str, value: Any) -> Craft:
 
 
 def _arrays(member: str, change: Callable[[dict[str, Any]], Any]) -> Craft:
-    """Return what changes the arrays in a member."""
-
     def craft(members: Members) -> None:
         with np.load(io.BytesIO(members[member])) as file:
             arrays: dict[str, Any] = dict(file)
@@ -95,7 +90,6 @@ def _inside(change: Callable[[bytes], bytes], compression: int = zipfile.ZIP_STO
 
 
 def _longer(array: bytes) -> bytes:
-    """Return an array that says that it has four billion numbers."""
     header = array[10 : 10 + int.from_bytes(array[8:10], "little")]
     shape = re.search(rb"'shape': \(([^)]*)\)", header)
     assert shape

@@ -22,8 +22,6 @@ TOUCH, ANGLES = "observation.touch", "observation.proprioception"
 
 
 def _table(change: Callable[[Any], Any], path: str = f"{WHOLE}.parquet") -> Craft:
-    """Return what changes the table of an episode or of a part."""
-
     def craft(folder: Path, outside: Path) -> None:
         pq.write_table(change(pq.read_table(folder / path)), folder / path)
 
@@ -31,8 +29,6 @@ def _table(change: Callable[[Any], Any], path: str = f"{WHOLE}.parquet") -> Craf
 
 
 def _column(name: str, change: Callable[[Any], Any], path: str = f"{WHOLE}.parquet", nullable: bool = False) -> Craft:
-    """Return what replaces a column of a table."""
-
     def replace(table: Any) -> Any:
         column = change(table.column(name).combine_chunks())
         field = pa.field(name, column.type, nullable)
@@ -47,7 +43,6 @@ def _values(name: str, change: Callable[[Any], Any], path: str = f"{WHOLE}.parqu
 
 
 def _lists(column: Any, size: int) -> Any:
-    """Return lists of another length."""
     return pa.array([row[:size] for row in column.to_pylist()], pa.list_(column.type.value_field, size))
 
 
@@ -60,8 +55,6 @@ def _pairs(column: Any, number: Any, *names: str) -> Any:
 
 
 def _described(*path: Any, value: Any) -> Craft:
-    """Return what sets a key of the description in a table's metadata."""
-
     def change(table: Any) -> Any:
         data = json.loads(table.schema.metadata[b"mimoc"])
         _set(data, path, value)
@@ -71,8 +64,6 @@ def _described(*path: Any, value: Any) -> Craft:
 
 
 def _json(name: str, *path: Any, value: Any) -> Craft:
-    """Return what sets a key of a JSON file."""
-
     def craft(folder: Path, outside: Path) -> None:
         data = json.loads((folder / name).read_bytes())
         _set(data, path, value)
@@ -280,8 +271,6 @@ DESCRIPTIONS: dict[str, tuple[Craft, str]] = {
 
 
 def _encoded(codec: str, frames: int, side: int = 16, container: str = "matroska", part: str = WHOLE) -> Craft:
-    """Return what writes another video in place of what an eye saw."""
-
     def craft(folder: Path, outside: Path) -> None:
         av, path = require_av(), folder / f"{part}.eye_left.mkv"
         with av.open(str(path), "w", format=container) as video:

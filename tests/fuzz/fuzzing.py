@@ -1,6 +1,6 @@
 """What tries to break mimoc with input from strangers: many tries, each known by a seed and a number.
 
-A fuzzer is one module with `FUZZER`, listed in `FUZZERS`. `make fuzz` runs all for minutes, `make test` for seconds.
+A fuzzer is one module with `FUZZER`, listed in `FUZZERS`. `.ci/task fuzz` runs them for minutes, `make test` briefly.
 """
 
 import resource
@@ -57,12 +57,10 @@ class Outcome:
 
     @property
     def is_fault(self) -> bool:
-        """Whether mimoc should have done otherwise."""
         return self.result not in ("used", "refused")
 
 
 def fuzzer(name: str) -> Fuzzer:
-    """Return a fuzzer by its name."""
     return import_module(f"fuzz.{name}").FUZZER
 
 
@@ -96,7 +94,6 @@ def is_clear(error: MimocError) -> bool:
 
 
 def check_clear(error: MimocError) -> None:
-    """Raise an AssertionError unless an error is clear."""
     assert is_clear(error), f"not clear: {error!r}"
 
 

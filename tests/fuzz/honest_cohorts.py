@@ -21,13 +21,14 @@ from mimoc.base.errors import MimocError, SpecError
 from mimoc.base.quantities import measures
 from mimoc.policies.named import policy_of
 from mimoc.policies.spec import needs_argument
-from mimoc.schema.components.policies import POLICIES
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
-from mimoc.schema.source import in_memory
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.cohorts import Cohort, Job, engines, plan as plans
+from mimoc.schema.kinds import POLICIES
+from mimoc.schema.source import dump, in_memory
+from mimoc.studies.cohorts import engines, plan as plans
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.infants import children_of
+from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.run_jobs import run_jobs
 from mimoc.studies.cohorts.store import Result, Store
 from mimoc.training.settings import check_learnable
@@ -124,7 +125,6 @@ INDIVIDUAL = {"$ref": "#/$defs/IndividualSpec"}
 
 
 def infant(generator: np.random.Generator) -> dict[str, Any]:
-    """Return a spec without what is wrong with the first one that was drawn."""
     data = Drawing(json_schema("infant"), IN_INFANTS, generator).value()
     for _ in range(20):
         try:
@@ -138,7 +138,6 @@ def infant(generator: np.random.Generator) -> dict[str, Any]:
 
 
 def varied(generator: np.random.Generator) -> dict[str, Any]:
-    """Return values for one or two keys of the spec."""
     drawing = Drawing(json_schema("infant"), IN_INFANTS, generator)
     drawn = {}
     for _ in range(generator.integers(1, 3)):
@@ -237,7 +236,6 @@ def check(_: Any) -> None:
 
 
 def run(jobs: Any, store: Any, _: Any, done: Any) -> None:
-    """Do jobs in this process."""
     run_jobs(jobs, store)
     done(len(jobs))
 

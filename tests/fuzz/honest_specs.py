@@ -22,12 +22,11 @@ import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.components.toys.builtin import NAMES as TOYS
 from mimoc.fits import measure
-from mimoc.schema.components.senses import SENSES
 from mimoc.schema.impairments import PRESETS
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
-from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
-from mimoc.schema.regions import RANGED
+from mimoc.schema.kinds import SENSES
+from mimoc.schema.names import MEASUREMENT_KEYS, RANGED, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
 from mimoc.schema.source import in_memory
 
 MOST_KEYS = 3
@@ -84,7 +83,6 @@ def _measurements(generator: np.random.Generator) -> dict[str, float]:
 
 
 def _contractures(generator: np.random.Generator) -> dict[str, list[float]]:
-    """Return ranges that often leave something of those of joints."""
     names = generator.permutation(sorted(RANGED))[: generator.integers(1, MOST_KEYS)].tolist()
     return {name: [_between(-90, 0)(generator), _between(0, 90)(generator) - 5] for name in names}
 
@@ -156,7 +154,6 @@ class SpecDrawing(Drawing):
         return bool(node.get("properties")) or any("properties" in kind for kind in items)
 
     def section(self, path: Section) -> Any:
-        """Return what is drawn of a section."""
         node = self.schema
         for key in path:
             node = self.resolved(node["properties"][key])

@@ -16,7 +16,7 @@ import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.bundle.provenance import PROVENANCE, unpacked
 from mimoc.compiler.explain import explain
-from mimoc.recording.wrappers import Recorder
+from mimoc.recording.recorder import Recorder
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import in_memory
 
@@ -81,7 +81,6 @@ def states(env: Any) -> None:
 
 
 def poses(env: Any) -> None:
-    """Begin in each pose."""
     for pose in env.unwrapped.manifest.poses:
         observation, _ = env.reset(options={"pose": pose})
         assert env.observation_space.contains(observation), f"{pose}: the first observation is not in its space"

@@ -109,7 +109,6 @@ class Lives(RuleBasedStateMachine):
 
     @property
     def infant(self) -> Any:
-        """The first infant."""
         inside = self.env.unwrapped
         return inside.infants[0] if self.kind == "many" else inside
 
@@ -214,7 +213,6 @@ class Lives(RuleBasedStateMachine):
 
     @rule()
     def is_forgotten(self) -> None:
-        """Python finds it in the midst of another one's picture."""
         self.env.unwrapped.itself = self.env.unwrapped
         self.open()
         draw = Renderer.draw

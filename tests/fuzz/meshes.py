@@ -17,7 +17,6 @@ SHAPES = {"box": box(), "cup": cup(), "soup": confetti(150)}
 
 
 def prepare(folder: Path) -> list[tuple[str, bytes]]:
-    """Return honest files with their formats."""
     return [(kind, write(shape)) for kind, write in WRITERS.items() for shape in SHAPES.values()]
 
 

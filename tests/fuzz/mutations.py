@@ -55,7 +55,6 @@ _ELEMENT = re.compile(r"^ *<.*/>\n", re.MULTILINE)
 
 
 def pick(generator: Generator, among: Any) -> Any:
-    """Return one of several things."""
     return among[int(generator.integers(len(among)))]
 
 
@@ -81,7 +80,6 @@ def changed_bytes(generator: Generator, content: bytes) -> bytes:
 
 
 def changed_data(generator: Generator, data: Any) -> Any:
-    """Return plain data with one to three changes."""
     data = copy.deepcopy(data)
     for _ in range(int(generator.integers(1, 4))):
         places = list(_places(data))
@@ -106,7 +104,6 @@ def changed_data(generator: Generator, data: Any) -> Any:
 
 
 def changed_xml(generator: Generator, text: str) -> str:
-    """Return XML with one to three changes."""
     for _ in range(int(generator.integers(1, 4))):
         kind = int(generator.integers(8))
         if kind < 4:

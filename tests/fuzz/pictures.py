@@ -9,7 +9,7 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, pick
 from PIL import Image
 
-from mimoc.compiler.looks.user_textures import read_textures
+from mimoc.compiler.looks.wallpaper import read_textures
 
 FORMATS = ("PNG",) * 8 + ("JPEG", "BMP", "GIF", "TIFF")
 MODES = ("RGB", "RGBA", "L", "P", "1", "I;16")

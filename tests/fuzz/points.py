@@ -16,9 +16,9 @@ import mimoc
 from mimoc.base.errors import BundleError
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.motion.body_points import film
-from mimoc.motion.options import UPS, VIEWS
-from mimoc.motion.writing import write_mini_rgbd
-from mimoc.schema.components.motion import FORMATS
+from mimoc.motion.point_recording import UPS, VIEWS
+from mimoc.motion.reading import write_mini_rgbd
+from mimoc.schema.kinds import FORMATS
 
 FRAMES = 12
 OPTIONS = MappingProxyType(
@@ -37,7 +37,6 @@ CELLS = "", "nan", "inf", "-1e308", "1e999", "x", '"', ",", ";", "\n", "0x10", "
 
 
 def prepare(folder: Path) -> list[Path]:
-    """Return a recording in each format."""
     seen, space = filmed.filmed(FRAMES, filmed.BODY_25_POINTS), filmed.in_space(FRAMES)
     around = filmed.in_space(FRAMES, filmed.BODY_25_POINTS)
     deep = film(filmed.kicking_model(), filmed.kicking(FRAMES), 30)
@@ -103,7 +102,6 @@ def change(generator: np.random.Generator, place: Path, outside: Path) -> None:
 
 
 def change_json(generator: np.random.Generator, path: Path) -> None:
-    """Change data by its structure."""
     try:
         data = json.loads(path.read_bytes())
         path.write_text(json.dumps(changed_data(generator, data)), encoding="utf-8", errors="surrogateescape")

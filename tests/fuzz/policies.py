@@ -42,7 +42,6 @@ def attempt(prepared: tuple[Members, Any], generator: np.random.Generator, folde
 
 
 def use(policy: Path, env: Any) -> None:
-    """Let an infant act by a policy."""
     act = mimoc.load_policy(policy)(env)
     observation, _ = env.reset(seed=1)
     for _ in range(2):
@@ -50,7 +49,6 @@ def use(policy: Path, env: Any) -> None:
 
 
 def _spoiled(members: Members, generator: np.random.Generator) -> bytes:
-    """Return the archive of a policy with something changed."""
     kind = int(generator.integers(6))
     if kind == 0:
         return changed_bytes(generator, packed(members, pick(generator, (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))))

@@ -16,8 +16,7 @@ from fuzz.strange_infants import CANARIES, honest_bundle
 from fuzz.table_mutations import changed_table, write_table
 
 import mimoc
-from mimoc.recording.frames import write_pictures
-from mimoc.recording.video import require_av
+from mimoc.recording.video import require_av, write_pictures
 
 CODECS = ("ffv1", "rawvideo", "mpeg4", "mjpeg", "h264", "vp8", "libvpx-vp9", "mp2", "flac")
 """Of videos, and of what is none."""
@@ -187,7 +186,6 @@ def use(generator: np.random.Generator, place: Path, bundle: mimoc.Bundle, folde
 
 
 def read(place: Path) -> None:
-    """Read all that is in a recording."""
     recording = mimoc.read_recording(place)
     recording.summary()
     for episode in recording:
@@ -200,7 +198,7 @@ def read(place: Path) -> None:
 
 def replay_to_video(place: Path, file: Path) -> None:
     """Simulate a recording again, and make a video of it, as `mimoc replay --video` does."""
-    from mimoc.recording import film_of
+    from mimoc.recording.record import film_of
 
     recording = mimoc.read_recording(place)
     if recording:

@@ -42,7 +42,6 @@ class Run:
     """The tries of one fuzzer, in processes that are replaced when they die or hang."""
 
     def __init__(self, name: str, seed: int):
-        """Begin with nothing tried."""
         self.name, self.seed = name, seed
         self.results, self.slowest_s, self.largest_mb = Counter[str](), 0.0, 0.0
         self.longest_s, self.limit_mb = LONGEST_S, LARGEST_MB

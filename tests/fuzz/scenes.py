@@ -7,8 +7,8 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_xml, pick
 from support.mimo_scenes import build_mimo, write_scene
 
+from mimoc.compat import import_config
 from mimoc.compat.import_mimo.reading import read_scene
-from mimoc.compat.importing import import_config
 from mimoc.schema import read_spec, source
 
 SECTIONS = """

@@ -19,7 +19,7 @@ from mimoc.movement.retargeting.folder import ACCOUNT, FITTED, POINTS, write_ret
 from mimoc.policies.named import policy_of
 from mimoc.policies.skill import shipped
 from mimoc.studies.bench.entrant import check_files
-from mimoc.studies.bench.results import markdown_tables, read_results
+from mimoc.studies.bench.scores import markdown_tables, read_results
 
 SPEC = {
     "mimoc": 1,
@@ -51,7 +51,6 @@ def prepare(folder: Path) -> Prepared:
 
 
 def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) -> None:
-    """Change one of the files and use it."""
     kind = pick(generator, ["skill", "results", "child"])
     if kind == "skill":
         _write(folder / "skill.json", generator, prepared.skill)
@@ -92,7 +91,6 @@ def _change_child(folder: Path, generator: np.random.Generator) -> None:
 
 
 def _act(env: Any, policy: str) -> None:
-    """Let the infant act by a policy for two control steps."""
     act = policy_of(env, policy)
     observation, _ = env.reset(seed=1)
     for _ in range(2):

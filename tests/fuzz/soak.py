@@ -124,7 +124,6 @@ def _run(name: str, count: int) -> bool:
 
 
 def _infant(senses: Mapping, scene: Mapping | None = None) -> mimoc.Bundle:
-    """Return the bundle of an infant of nine months."""
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": senses}
     return mimoc.build(mimoc.InfantSpec.model_validate({**spec, "scene": scene} if scene else spec))
 

@@ -68,7 +68,6 @@ def attempt(texts: list[str], generator: np.random.Generator, _: Path) -> None:
 
 
 def spoilt(texts: list[str], generator: np.random.Generator) -> str:
-    """Return the text of a config with a few lines changed."""
     lines = pick(generator, texts).splitlines()
     for _ in range(pick(generator, (1, 1, 2, 3))):
         _spoil(lines, generator)

@@ -1,10 +1,14 @@
 """The honest bundles that strangers begin with, and the files outside that they would like to read."""
 
+import json
+from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 
 from fuzz.crafted_bundles import png
 
 import mimoc
+from mimoc.bundle.io import LOCK, digests
 
 SPEC = {
     "mimoc": 1,
@@ -37,11 +41,19 @@ CANARIES = {
 
 @cache
 def honest_bundle(number: int) -> mimoc.Bundle:
-    """Return one of the honest bundles."""
     spec = {**SPEC, **VARIATIONS[number]}
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 
 def honest_files(number: int) -> dict[str, bytes]:
-    """Return its files."""
     return dict(honest_bundle(number).files)
+
+
+def write_resealed(files: Mapping[str, bytes], folder: Path) -> Path:
+    listed = {name: content for name, content in files.items() if name != LOCK}
+    lock = json.dumps({"lock": 1, "versions": {}, "inputs": {}, "files": digests(listed)}).encode()
+    for name, content in {**listed, LOCK: lock}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    return folder

@@ -8,8 +8,7 @@ import pytest
 from fuzz.canaries import Canaries
 from fuzz.crafted_bundles import CRAFTED, PLANTED
 from fuzz.fuzzing import is_clear
-from fuzz.sealing import write_resealed
-from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files
+from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files, write_resealed
 
 import mimoc
 from mimoc.base.errors import MimocError
@@ -26,7 +25,6 @@ def outside(tmp_path):
 
 
 def refusal(folder) -> str:
-    """Return the error of opening a bundle."""
     with pytest.raises(MimocError) as error:
         mimoc.make(folder).close()
     assert is_clear(error.value)

@@ -38,7 +38,6 @@ def outside(tmp_path):
 
 @pytest.fixture
 def copied(prepared, tmp_path):
-    """Return what copies one of the recordings."""
     return lambda number: Path(copytree(prepared.folders[number], tmp_path / "recording"))
 
 
@@ -58,7 +57,6 @@ def uses(folder: Path, bundle: mimoc.Bundle):
 
 
 def refusal(use) -> str:
-    """Return the error of using a recording."""
     with pytest.raises(MimocError) as error:
         use()
     assert is_clear(error.value)

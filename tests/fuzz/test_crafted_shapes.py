@@ -8,7 +8,7 @@ from fuzz.fuzzing import is_clear
 from support.mesh_kinds import glb_of
 
 from mimoc.base.errors import TextureError, ToyError
-from mimoc.compiler.looks.user_textures import read_textures
+from mimoc.compiler.looks.wallpaper import read_textures
 from mimoc.components.toys.toys4k.build import load_toy
 from mimoc.components.toys.toys4k.dataset import find_toys
 

@@ -15,7 +15,7 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc.base.errors import RenderingError
-from mimoc.studies.reporting.infant import who
+from mimoc.studies.reporting import infant
 from mimoc.training.run_folder import read_training_run
 
 SETTINGS = {"envs": 2, "checkpoint_every": 64, "hyper": policies.TINY}
@@ -44,7 +44,6 @@ def copied(prepared: Prepared, folder: Path) -> Path:
 
 
 def ways(prepared: Prepared, run: Path) -> tuple[Way, ...]:
-    """Return all that can be done with a folder of the training run."""
     _, bundle, env = prepared
     return (
         lambda: mimoc.report(run, run.parent / "page.html"),
@@ -58,7 +57,7 @@ def ways(prepared: Prepared, run: Path) -> tuple[Way, ...]:
 
 def use(chosen: Iterable[Way]) -> None:
     """Do things one after the other, without portraits, and raise the error of one that was refused."""
-    with patch.object(who, "portrait", _no_portrait):
+    with patch.object(infant, "portrait", _no_portrait):
         cohorts.use(chosen)
 
 

@@ -19,7 +19,7 @@ from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
 import mimoc
 from mimoc.compiler.model_check import compile_model
 
-PUBLISHED = {
+PUBLISHED = {  # Infants of the paper, by both hands.
     f"published_{age_months:g}": {
         "mimoc": 1,
         "name": "the_papers_infant",
@@ -30,7 +30,6 @@ PUBLISHED = {
     }
     for age_months, body in ((0, {}), (7.5, {"hands": "five_finger", "chest_joint": True}), (24, {"chest_joint": True}))
 }
-"""Infants of the paper, by both hands."""
 OF_ROOM = re.compile(r"scene\.xml|assets/(toy\d+_|object_|wall_|floor_|ceiling_).*")
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 COUNTS = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")
@@ -103,7 +102,6 @@ def printed(tree: etree._Element) -> str:
 
 
 def compiled(model: mujoco.MjModel) -> str:
-    """Return what MuJoCo's compiler made of a model, a line for each thing."""
     lines = [f"{count} {getattr(model, count)}" for count in COUNTS]
     for body in map(model.body, range(model.nbody)):
         inertia = sorted(body.inertia, reverse=True)

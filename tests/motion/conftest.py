@@ -14,11 +14,9 @@ def kicking() -> PointRecording:
 
 @pytest.fixture(scope="session")
 def body_25() -> PointRecording:
-    """Return the same with the points that OpenPose sees."""
     return filmed.filmed(names=filmed.BODY_25_POINTS)
 
 
 @pytest.fixture(scope="session")
 def in_space() -> PointRecording:
-    """Return the same as places in space."""
     return filmed.in_space()

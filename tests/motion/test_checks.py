@@ -9,7 +9,7 @@ from support import filmed
 import mimoc
 from mimoc.base.errors import MimocError, RecordingError
 from mimoc.motion.body_points import film
-from mimoc.motion.points import SIDES
+from mimoc.motion.labels import SIDES
 
 
 def problem(path, **options) -> str:
@@ -152,7 +152,6 @@ def test_points_on_a_limb_that_have_each_others_names_are_a_note(pair, kicking, 
 
 
 def exchanged(recording, start: int, stop: int, limbs=("hip", "knee", "foot")):
-    """Return a recording with left and right exchanged in some frames."""
     names = list(recording.names)
     left, right = ([names.index(f"{side}_{part}") for part in limbs] for side in SIDES)
     positions = recording.positions.copy()

@@ -10,10 +10,10 @@ from hypothesis import given, settings, strategies as st
 from support import filmed
 
 import mimoc
+from mimoc.motion.labels import POINTS
 from mimoc.motion.point_recording import Camera
-from mimoc.motion.points import POINTS
 from mimoc.motion.read_coco import COCO_17
-from mimoc.motion.writing import write_mini_rgbd
+from mimoc.motion.reading import write_mini_rgbd
 
 few = settings(max_examples=15)
 PIXELS, SPACE = filmed.filmed(20), filmed.in_space(20)

@@ -17,7 +17,6 @@ ENDS = "left_wrist", "right_wrist", "left_ankle", "right_ankle"
 
 @pytest.fixture(scope="module")
 def infant():
-    """Return five seconds of a kicking infant."""
     return filmed(150, BODY_25_POINTS)
 
 

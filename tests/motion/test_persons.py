@@ -10,8 +10,7 @@ from support.filmed import BODY_25_POINTS, beside, coco_entries, filmed, missed,
 import mimoc
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.motion.persons import identity
-from mimoc.motion.tracks import Detections, find_tracks, seen_twice
+from mimoc.motion.persons import Detections, find_tracks, identity, seen_twice
 
 LOST = "nobody who is seen can be the infant, being too far from where it was, or of another size"
 
@@ -23,7 +22,6 @@ def infant():
 
 
 def chance(share: float, seed: int = 0):
-    """Return which of 150 frames something happens in."""
     return np.random.default_rng(seed).random(150) < share
 
 

@@ -13,7 +13,6 @@ PIXELS_OF_A_FRAME = np.nanmax(np.abs(np.diff(FILM.positions, axis=0)))
 
 
 def truth(rate_hz: float, frames: int):
-    """Return where points are at the frames of another rate."""
     when = np.arange(FILM.frames) / FILM.rate_hz
     flat = FILM.positions.reshape(FILM.frames, -1)
     return np.stack([np.interp(np.arange(frames) / rate_hz, when, one) for one in flat.T], axis=1).reshape(
@@ -34,7 +33,6 @@ def error(recording) -> float:
 
 
 def phone(step: float, short: float = 0.5, every: int = 10):
-    """Return times of 60 frames of which some come early."""
     steps = np.where(np.arange(59) % every == 3, short * step, step)
     return np.concatenate([[0.0], np.cumsum(steps)])
 

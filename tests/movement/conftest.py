@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.moving import restless
 
-from mimoc.motion.writing import write_points
+from mimoc.motion.reading import write_points
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from support import filmed
 from support.moving import restless
 
-from mimoc.motion.writing import write_points
+from mimoc.motion.reading import write_points
 
 SPEC = "mimoc: 1\nname: three\nage_months: 3\nsenses: {proprioception: {}}\nscene: {pose: supine}\n"
 

@@ -8,8 +8,7 @@ from support.store import built
 from mimoc.base.errors import MovementError
 from mimoc.motion.body_points import locate
 from mimoc.movement import core_measures
-from mimoc.movement.filming import SPACE_POINTS, TRUNK_PX, Film, film_places
-from mimoc.movement.simulated import film_policy
+from mimoc.movement.filming import SPACE_POINTS, TRUNK_PX, Film, film_places, film_policy
 
 SPEC = {"mimoc": 1, "name": "three", "age_months": 3, "senses": {"proprioception": {}}, "scene": {"pose": "supine"}}
 

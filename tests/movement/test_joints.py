@@ -5,8 +5,8 @@ import pytest
 from support.filmed import in_space
 from support.moving import restless
 
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.motion.point_recording import Camera, PointRecording
-from mimoc.motion.points import MINI_RGBD_POINTS
 from mimoc.movement.joints import joint_angles, joint_measures, lag_s
 
 TIMES_S = np.arange(990) / 30

@@ -7,12 +7,11 @@ from support.filmed import in_space
 from support.moving import placed, restless
 
 from mimoc.base.errors import MovementError, OutputError
-from mimoc.motion.points import MINI_RGBD_POINTS
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.movement.filming import Filmed
-from mimoc.movement.plots import write_measures, write_phases
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import compare, measure_all
-from mimoc.movement.stick_figures import animate
+from mimoc.movement.stick_figures import animate, write_measures, write_phases
 
 BLUE, RED = (51, 102, 154), (200, 67, 31)
 

@@ -5,11 +5,11 @@ import pytest
 from support.moving import placed, restless
 
 from mimoc.base.quantities.movement import CORE
-from mimoc.cli.movement_table import print_movement
+from mimoc.cli.tables import print_movement_measures
 from mimoc.movement import measure_movement
 from mimoc.movement.filming import Filmed
+from mimoc.movement.measured import OF_NO_SIDE, measure_sides
 from mimoc.movement.report import measure_all
-from mimoc.movement.sides import OF_NO_SIDE, measure_sides
 
 RECORDING = restless(0, 12.0)
 SWAP = {"left": "right", "right": "left"}
@@ -51,7 +51,7 @@ def test_a_still_arm_is_seen_on_its_side_and_its_columns_are_shown(capsys):
     assert left > 5 * right
     assert (alike.sides_differ, still.sides_differ) == (False, True)
     assert still.to_data()["measures"]["hand_units_per_min"]["right"]["mean"] == 0.0
-    print_movement(alike, full=False)
+    print_movement_measures(alike, full=False)
     assert "right" not in capsys.readouterr().out.splitlines()[2]
-    print_movement(still, full=False)
+    print_movement_measures(still, full=False)
     assert [word for word in capsys.readouterr().out.splitlines()[2].split() if word in SWAP] == ["left", "right"]

@@ -13,8 +13,8 @@ from support.store import built
 import mimoc
 from mimoc.base.errors import MimocError, MovementError
 from mimoc.bundle.io import write_bundle
-from mimoc.motion.writing import write_points
-from mimoc.movement.simulated import film_policy
+from mimoc.motion.reading import write_points
+from mimoc.movement.filming import film_policy
 from mimoc.movement.sources import SourceOptions, films_in
 
 SPEC = {"mimoc": 1, "name": "three", "age_months": 3, "senses": {"proprioception": {}}, "scene": {"pose": "supine"}}

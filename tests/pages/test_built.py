@@ -1,4 +1,4 @@
-"""What is committed is what `make viewer` builds from its source."""
+"""What is committed is what `.ci/task viewer` builds from its source."""
 
 from pathlib import Path
 from subprocess import run

@@ -6,8 +6,8 @@ from support.browser import wait_for
 
 import mimoc
 from mimoc.bundle.model import load_model
+from mimoc.viewer.appearance import rows_of
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.meshes import rows_of
 
 HEAD = "[...mimoc.infant.skin.layers.find(({ layer }) => layer.name === 'head').bound.attributes.position.array]"
 AT_REST = "mimoc.stage.renderer.getPixelRatio() === mimoc.stage.sharpness.resting && !mimoc.stage.waiting"

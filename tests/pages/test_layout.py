@@ -7,8 +7,7 @@ from support.browser import wait_for
 
 PHONES = [(390, 844), (740, 360), (360, 640), (640, 360), (414, 896)]
 WINDOWS = [*PHONES, (1100, 720), (1100, 500)]
-GAP_PX = 12
-"""Around the pictures, as in the lower left corner of a wide window."""
+GAP_PX = 12  # Around the pictures, as in the lower left corner of a wide window.
 BOXES = """(selector) => {
     const shown = [...document.querySelectorAll(selector)].filter((each) => each.checkVisibility());
     const boxes = shown.map((each) => each.getBoundingClientRect());

@@ -13,7 +13,7 @@ import mimoc
 from mimoc.base.errors import PolicyError, UnknownNameError
 from mimoc.policies.behaviours.behaviour import Subject
 from mimoc.policies.behaviours.targets import find_target
-from mimoc.policies.control.holding.driven import DrivenInfant
+from mimoc.policies.control.holding.postures import DrivenInfant
 from mimoc.policies.named import policies_of, policy_of
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import parse_policies

@@ -10,7 +10,7 @@ import mimoc
 from mimoc.base.errors import PolicyError
 from mimoc.policies.named import policy_of
 from mimoc.policies.policy import start_again
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 AGES_MONTHS = (1, 3, 7)
 MANY = [name for name in POLICIES if POLICIES[name].many]

@@ -8,8 +8,7 @@ from mimoc.base.errors import PolicyError, UnknownNameError
 from mimoc.policies.named import policy_of
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import parse_policy, trained_policies, usage
-from mimoc.schema.components.policies import POLICIES
-from mimoc.schema.kinds import PolicyKind
+from mimoc.schema.kinds import POLICIES, PolicyKind
 
 BIAS = PolicyKind("bias", "commands the same always", lambda env, text: Bias(float(text), env), argument="COMMAND")
 

@@ -13,7 +13,6 @@ import mimoc
 
 @pytest.fixture(scope="session")
 def bundle() -> mimoc.Bundle:
-    """Return a sitting infant that sees."""
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}}
     return mimoc.build(
         mimoc.InfantSpec.model_validate(spec | {"senses": {"vision": {"width_px": 16, "height_px": 16}}})

@@ -11,14 +11,14 @@ import minari
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from support.store import built
 
 import mimoc
 from mimoc.base.errors import KindError, MissingExtraError, OutputError, RecordingError, UnknownNameError
 from mimoc.recording.reading import ReadRecording
 from mimoc.recording.replaying import replay
 from mimoc.schema import plugins
-from mimoc.schema.components.exporters import EXPORTERS
-from mimoc.schema.kinds import ExporterKind
+from mimoc.schema.kinds import EXPORTERS, ExporterKind
 
 SENSES = {"proprioception": {}, "touch": {"density": 0.3}, "vision": {"width_px": 16, "height_px": 12}}
 STEPS = 6
@@ -188,7 +188,6 @@ def test_an_infant_without_actions_is_recorded_and_exported_as_text_only(tmp_pat
 
 
 def write_returns(recording: ReadRecording, folder: Path, progress) -> list[str]:
-    """Write a line with the return of each episode."""
     for done, episode in enumerate(recording):
         progress(done, len(recording))
         (folder / f"{done}.txt").write_text(str(episode.rewards.sum()))
@@ -274,3 +273,25 @@ def test_a_format_of_an_installed_package_is_exported_to(recording, tmp_path, mo
     finally:
         EXPORTERS.remove("lengths")
     assert (tmp_path / "out" / "lengths.txt").read_text() == str([STEPS, STEPS - 2])
+
+
+SPEC = {"mimoc": 1, "name": "kim", "age_months": 3, "senses": {"proprioception": {}}}
+SHAPES = {"body_pos_w": 3, "body_quat_w": 4, "body_lin_vel_w": 3, "body_ang_vel_w": 3}
+
+
+def test_a_motion_has_joints_and_bodies_at_each_control_step(tmp_path):
+    with mimoc.Recorder(mimoc.make(built(SPEC)), tmp_path / "run") as env:
+        env.reset(seed=0)
+        for _ in range(20):
+            env.step(0.1 * env.action_space.sample())
+    (note,) = mimoc.export_recording(tmp_path / "run", "mjlab", tmp_path / "out")
+    assert "left out" in note
+    with np.load(tmp_path / "out" / "0000-000000.npz") as motion:
+        frames, bodies = 21, len(motion["body_names"])
+        assert motion["fps"].tolist() == [100.0]
+        assert motion["joint_pos"].shape == motion["joint_vel"].shape == (frames, len(motion["joint_names"]))
+        for name, size in SHAPES.items():
+            assert motion[name].shape == (frames, bodies, size)
+        assert np.linalg.norm(motion["body_quat_w"], axis=-1) == pytest.approx(np.ones((frames, bodies)), abs=1e-5)
+        speeds = np.gradient(motion["body_pos_w"][:, 0].astype(float), 0.01, axis=0)
+        assert np.allclose(speeds[5:-5], motion["body_lin_vel_w"][5:-5, 0], atol=0.05)

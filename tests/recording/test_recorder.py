@@ -2,15 +2,18 @@
 
 import sys
 import warnings
+from threading import Event
 
 import gymnasium
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from support.forks import status_of_fork
 
 import mimoc
 from mimoc.base.errors import MissingExtraError, RecordingError, UnknownNameError
 from mimoc.recording.columns import KEY, Described
+from mimoc.recording.observer import WAITING, Writer
 
 SPEC = {
     "mimoc": 1,
@@ -37,7 +40,6 @@ def disturbed() -> mimoc.InfantSpec:
 
 
 def replayed(folder, **options) -> list[str]:
-    """Return what did not come out again."""
     return [str(each) for each in mimoc.replay_recording(folder, **options) if each.difference]
 
 
@@ -320,3 +322,23 @@ def test_a_push_is_kept_whatever_is_done_after_it(reaching, tmp_path):
     (episode,) = mimoc.read_recording(tmp_path / "pushed")
     assert sorted(what for what, _ in episode.changes[1]) == ["arousal", "physics"]
     assert replayed(tmp_path / "pushed") == []
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_forked_process_writes_nothing_and_waits_for_nobody():
+    """Though so many jobs were waiting when it was forked that its process would have had to wait."""
+    writer, may_go_on, done = Writer(), Event(), []
+    writer(lambda: may_go_on.wait(60) and None)
+    for number in range(WAITING):
+        writer(lambda number=number: done.append(number))
+
+    def use() -> None:
+        writer(lambda: done.append("child"))
+        writer.drain()
+        writer.close()
+        assert done == []
+
+    assert status_of_fork(use) == 0
+    may_go_on.set()
+    writer.close()
+    assert done == list(range(WAITING))

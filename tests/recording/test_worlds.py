@@ -23,12 +23,10 @@ def bundle():
 
 
 def actions(env, rng):
-    """Return an action of each agent."""
     return {name: rng.uniform(-1, 1, env.action_space(name).shape).astype(np.float32) for name in env.agents}
 
 
 def differences(folder, **options) -> list[str]:
-    """Return what did not come out again."""
     return [str(one) for one in mimoc.replay_recording(folder, **options) if one.difference]
 
 

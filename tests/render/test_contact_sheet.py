@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.render.contact_sheet import ALL, LARGEST, age_label, check_count, contact_sheet, read_poses
 from mimoc.render.picture_files import GAP_PX
 from mimoc.render.picture_poses import poses_in_pictures
-from mimoc.render.portrait import Framing, portrait
+from mimoc.render.portrait import ALL, LARGEST, Framing, age_label, check_count, contact_sheet, portrait, read_poses
 
 PX = 40
 

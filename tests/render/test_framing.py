@@ -9,8 +9,7 @@ from scipy import ndimage
 
 from mimoc.bundle.model import load_model, load_posed
 from mimoc.render.picture_files import COLOUR, bar_length_cm
-from mimoc.render.portrait import Framing, lineup, portrait
-from mimoc.render.row import GAP_M, row_of
+from mimoc.render.portrait import GAP_M, Framing, lineup, portrait, row_of
 
 SIZE = {"width": 160, "height": 120}
 POSES = ("supine", "prone", "sitting", "standing")

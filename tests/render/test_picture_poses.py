@@ -9,7 +9,7 @@ import pytest
 import mimoc
 from mimoc.base.errors import RenderingError, UnknownNameError
 from mimoc.bundle.model import in_subtrees, load_model
-from mimoc.render.framing import FILLED, FILLED_BY_HEAD, lowest_m
+from mimoc.render.camera import FILLED, FILLED_BY_HEAD, lowest_m
 from mimoc.render.picture_poses import PICTURE_POSES, load_in_pose, poses_in_pictures, state_in_pose
 from mimoc.render.portrait import Framing, lineup, portrait, portraits
 

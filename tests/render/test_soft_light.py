@@ -10,8 +10,7 @@ from scipy import ndimage
 
 from mimoc.bundle.model import load_model, load_posed
 from mimoc.render import body_camera
-from mimoc.render.backdrop import BACKGROUND, backdrop_colours, is_outdoors
-from mimoc.render.body_camera import BodyCamera
+from mimoc.render.body_camera import BACKGROUND, BodyCamera, backdrop_colours, is_outdoors
 from mimoc.render.camera import Shot
 from mimoc.render.portrait import Framing, portrait
 from mimoc.render.soft_light import (

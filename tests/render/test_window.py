@@ -3,12 +3,14 @@
 from contextlib import nullcontext
 from types import SimpleNamespace
 
+import glfw
+import mujoco.viewer
 import numpy as np
 import pytest
 
 import mimoc
 from mimoc.base.errors import RenderingError
-from mimoc.render import window
+from mimoc.render import environment
 
 
 class Viewer:
@@ -45,9 +47,9 @@ def screen(monkeypatch):
         seen.now_s += time_s
 
     monkeypatch.setenv("DISPLAY", ":7")
-    monkeypatch.setattr(window.glfw, "init", lambda: True)
-    monkeypatch.setattr(window.mujoco.viewer, "launch_passive", launch)
-    monkeypatch.setattr(window, "time", SimpleNamespace(sleep=sleep, monotonic=lambda: seen.now_s))
+    monkeypatch.setattr(glfw, "init", lambda: True)
+    monkeypatch.setattr(mujoco.viewer, "launch_passive", launch)
+    monkeypatch.setattr(environment, "time", SimpleNamespace(sleep=sleep, monotonic=lambda: seen.now_s))
     return seen
 
 
@@ -108,6 +110,6 @@ def test_windows_are_offered_where_there_is_a_screen(bundle, monkeypatch):
 
 
 def test_without_a_screen_there_is_one_clear_error(bundle, monkeypatch):
-    monkeypatch.setattr(window.glfw, "init", lambda: False)
+    monkeypatch.setattr(glfw, "init", lambda: False)
     with pytest.raises(RenderingError, match="there is no screen here; use render_mode='rgb_array'"):
         mimoc.make(bundle, render_mode="human")

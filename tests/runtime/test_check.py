@@ -87,3 +87,7 @@ def test_alternating_commands_push_every_joint_to_and_fro(built, model):
     assert (pulls == pulls[:, :1]).all()
     switches = np.flatnonzero(np.diff(pulls[:, 0]))
     assert set(np.diff(switches)) == {5, 6, 7, 8, 9, 10}
+
+
+def test_every_pose_of_the_manifest_is_checked(bundle):
+    assert [check.pose for check in check_stability(bundle)] == list(bundle.manifest.poses)

@@ -13,8 +13,8 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_model, load_model
 from mimoc.components.senses.vision.foveation import visual_field
-from mimoc.runtime.delays.timing import Timing, within
-from mimoc.schema.delays import DelayEntry, PartDelay
+from mimoc.runtime.delays.signals import Timing, within
+from mimoc.schema.senses import DelayEntry, PartDelay
 
 BASE = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": {"proprioception": {}}}
 

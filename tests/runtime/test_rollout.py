@@ -6,7 +6,7 @@ import pytest
 from mimoc.base.errors import UnknownNameError
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import needs_argument
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 
 def summary(env, policy="random", seed=0, steps=50):

@@ -9,8 +9,8 @@ import pytest
 from support.terms import check_terms
 
 import mimoc
+from mimoc.runtime.contract import TermError, check_term
 from mimoc.runtime.term import Concatenated, Field, Term, differing_field, stack_terms
-from mimoc.runtime.term_contract import TermError, check_term
 from mimoc.runtime.worlds import worlds_of_one
 
 CONFIGS = Path(mimoc.__file__).parents[1] / "configs"

@@ -13,9 +13,8 @@ from mimoc.base.errors import SpecError
 from mimoc.components.senses.touch import TouchSpec
 from mimoc.schema import BodySpec, as_written, read_spec, to_data
 from mimoc.schema.base import plain
-from mimoc.schema.source import parse
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.growth.who import grow_against_who
+from mimoc.schema.source import dump, parse
+from mimoc.studies.growth import grow_against_who
 
 TEXT = """\
 # An infant of ours.
@@ -112,11 +111,9 @@ def test_data_from_python_is_refused_as_a_file_that_says_the_same(keys):
     data = {"mimoc": 1, "name": "ours", "age_months": 9, **keys}
     written = refusal(lambda: read_spec(parse(dump(plain(data)), "<ours>")))
     for act in (lambda: mimoc.InfantSpec(**data), lambda: mimoc.InfantSpec.model_validate(data)):
-        assert refusal(act) == [re.sub(r":\d+:\d+: ", ": ", line) for line in sorted(written, key=key_of)]
-
-
-def key_of(line: str) -> str:
-    return line.split(": ")[1]
+        assert refusal(act) == [
+            re.sub(r":\d+:\d+: ", ": ", line) for line in sorted(written, key=lambda line: line.split(": ")[1])
+        ]
 
 
 UNVALIDATED = {
@@ -125,16 +122,9 @@ UNVALIDATED = {
     "no section": ({"body": 5}, "body: 5 is not a section"),
     "a section unchecked": ({"body": BodySpec().model_copy(update={"hands": "miten"})}, "body.hands: 'miten' is not"),
     "a section made so": ({"body": BodySpec.model_construct(hands="fist")}, "body.hands: 'fist' is not a choice"),
-    "keys against each other": (
-        {"body": BodySpec(remove=("left_eye", "right_eye"))},
-        "senses.vision: 'vision' req",
-    ),
+    "keys against each other": ({"body": BodySpec(remove=("left_eye", "right_eye"))}, "senses.vision: 'vision' req"),
 }
-TAKERS = {
-    "build": mimoc.build,
-    "make": mimoc.make,
-    "grow_against_who": lambda spec: grow_against_who(spec, [9.0]),
-}
+TAKERS = {"build": mimoc.build, "make": mimoc.make, "grow_against_who": lambda spec: grow_against_who(spec, [9.0])}
 
 
 @pytest.mark.parametrize("taker", TAKERS)

@@ -9,7 +9,7 @@ from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.base.errors import SpecError
 from mimoc.schema.impairments import PRESETS, ImpairmentsSpec
 from mimoc.schema.infant import healthy
-from mimoc.schema.regions import BODY, RANGED, REGIONS, contradiction, of_place, place_of
+from mimoc.schema.names import BODY, RANGED, REGIONS, contradiction, of_place, place_of
 
 HEAD = {"mimoc": 1, "name": "kim", "age_months": 9}
 

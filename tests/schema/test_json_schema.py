@@ -16,7 +16,7 @@ from mimoc.schema.source import parse
 
 ROOT = Path(__file__).parents[2]
 SPEC = jsonschema.Draft202012Validator(json_schema())
-BEYOND_SCHEMAS = {
+BEYOND_SCHEMAS = {  # Bad specs that a schema takes for good.
     *("repeated keys", "merge keys"),  # It sees what is left of them.
     "skin nowhere",
     # Keys against each other.
@@ -33,11 +33,9 @@ BEYOND_SCHEMAS = {
     *("delays between physics steps", "a control step between physics steps"),
     *("a control step shorter than physics", "a physics step that does not fit"),
 }
-"""Bad specs that a schema takes for good."""
 
 
 def data_of(content: str | bytes) -> Any:
-    """Return what a file says, None if it is not YAML at all."""
     try:
         return parse(content if isinstance(content, str) else content.decode(), "spec.yaml").data
     except (SpecError, UnicodeDecodeError):

@@ -15,9 +15,8 @@ from mimoc.fits.who import percentile
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.body import INDICATORS
 from mimoc.schema.source import parse
-from mimoc.studies.growth.anthrokids import compare_with_anthrokids
-from mimoc.studies.growth.who import grow_against_who
-from mimoc.studies.milestones import validate_milestones
+from mimoc.studies.growth import compare_with_anthrokids, grow_against_who
+from mimoc.studies.milestones.report import validate_milestones
 
 BY_CM = {"sex": "male", "length_cm": 66.0, "weight_kg": 7.2, "head_circumference_cm": 43.1}
 ATTEMPTED = "leg_lift"
@@ -30,7 +29,6 @@ def child(age_months: float = 7, **individual) -> InfantSpec:
 
 
 def by_percentile(spec: InfantSpec) -> InfantSpec:
-    """Return the spec of the same child, by its percentiles."""
     individual, who = spec.body.individual, load_tables().who
     scores = {key: who[key].z_score(getattr(individual, key), spec.age_months, individual.sex) for key in INDICATORS}
     found = {INDICATORS[key]: percentile(z) for key, z in scores.items()}

@@ -9,13 +9,12 @@ import pytest
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.notes import notes
-from mimoc.compiler.toys.choosing import Toybox
+from mimoc.compiler.toys.placing import Toybox
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.outline import language_of
-from mimoc.schema.source import parse
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.growth.who import grow_against_who
+from mimoc.schema.source import dump, parse
+from mimoc.studies.growth import grow_against_who
 
 BODY = language_of(InfantSpec)
 HEAD = {"mimoc": 1, "name": "x", "age_months": 9}
@@ -60,7 +59,6 @@ def value(key: Key) -> float:
 
 
 def body(*said: tuple[Key, float]) -> dict[str, Any]:
-    """Return a body with some keys."""
     found: dict[str, Any] = {}
     for (section, name), size in said:
         found.setdefault(section, {})[name] = size
@@ -80,13 +78,11 @@ def test_there_are_pairs_of_every_two_sections():
 
 
 def contradicting(pair: tuple[Key, Key]) -> dict[str, Any]:
-    """Return a body in which two keys have different values."""
     first, second = pair
     return body((first, value(first)), (second, value(second) * 1.05))
 
 
 def test_two_values_of_one_size_are_one_line_with_both_places():
-    """All pairs of keys of one size that the language has, told by their words."""
     for pair in set(PAIRS) - set(SIDED):
         text = dump({**HEAD, "body": contradicting(pair)})
         with pytest.raises(SpecError) as refused:
@@ -113,7 +109,6 @@ def notes_on(said: dict[str, Any]) -> tuple[str, ...]:
 
 
 def test_the_same_value_twice_is_noted():
-    """A percentile and a measure are the same if they agree on WHO's charts."""
     for pair in PAIRS:
         (note,) = notes_on(body(*((key, value(key)) for key in pair)))
         assert note.endswith("say the same; one of the two is enough")
@@ -121,7 +116,6 @@ def test_the_same_value_twice_is_noted():
 
 
 def test_keys_of_different_sizes_do_not_contradict():
-    """Every key at once but for those of a size that has been named already."""
     taken, said = set[str](), []
     for key in reversed(keys()):
         if not sizes(key) & taken:
@@ -132,7 +126,6 @@ def test_keys_of_different_sizes_do_not_contradict():
 
 
 def test_a_factor_is_on_what_a_part_would_be_otherwise():
-    """Also where that is measured: it is no second value."""
     said = {"measurements": {"head_circumference_cm": 44}, "parts": {"head": {"girth": 1.1}}}
     report = grow_against_who(InfantSpec.model_validate({**HEAD, "body": said}), (9,))
     (head,) = report.by_indicator["head_circumference_cm"]

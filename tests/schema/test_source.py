@@ -9,8 +9,7 @@ from hypothesis import given, strategies as st
 from mimoc.base.errors import SpecError
 from mimoc.schema import source
 from mimoc.schema.base import dotted
-from mimoc.schema.source import parse, read
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.source import dump, parse, read
 
 WORDS = st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")) | st.just(" "), max_size=20)
 SCALARS = st.booleans() | st.integers(-(10**18), 10**18) | st.floats(allow_nan=False, allow_infinity=False) | WORDS
@@ -20,7 +19,6 @@ DATA = st.dictionaries(
 
 
 def complaints(text: str | bytes) -> str:
-    """Return all that is wrong with a text, refused or read past."""
     try:
         return "\n".join(map(str, parse(text, "f").problems))
     except SpecError as error:

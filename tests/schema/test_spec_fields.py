@@ -14,9 +14,7 @@ from mimoc.base.errors import SpecError
 from mimoc.components.senses.vision import AcuitySpec
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.base import KeyPath
-from mimoc.schema.components.scenes import SCENES
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.kinds import SCENES, SENSES, TASKS
 from mimoc.schema.names import MEASUREMENTS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
@@ -25,43 +23,17 @@ MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spe
 MODELS += [kind.spec for kinds in (SENSES, SCENES, TASKS) for kind in kinds.values() if kind.spec] + [AcuitySpec]
 UNITS = "cm m kg deg ms px weeks months percentile percent cpd n s hz db thresholds cm2"
 """Endings of the names of keys."""
-NO_UNIT = {
-    "mimoc",
-    "seed",
-    "count",
-    "density",
-    "foveation",
-    "length",
-    "girth",
-    "strength",
-    "acuity",
-    "motor",
-    "yoked_s",
-}
+NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "motor", "yoked_s"}
 OF_AN_AGE = {"acuity", "contrast", "colour", "field", "focus", "vergence", "fovea", "flicker"}
 """Keys of which one kind of value has a unit, months."""
 NO_UNIT |= OF_AN_AGE | {"thresholds"}
 WRONG = [
-    "a word",
-    "9 apples",
-    "1.5",
-    "-1",
-    "1e300",
-    "true",
-    "[]",
-    "[1]",
-    "[a, a]",
-    "[[1]]",
-    "{}",
-    "{x: 1}",
-    "''",
-    ".nan",
+    *("a word", "9 apples", "1.5", "-1", "1e300", "true", "[]", "[1]", "[a, a]", "[[1]]", "{}", "{x: 1}", "''", ".nan"),
     "",
 ]
 
 
 def fields(path: KeyPath = ()) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
-    """Yield the path and JSON schema of every field."""
     for key in language_of(InfantSpec).outline(path).keys:
         field = language_of(InfantSpec).outline((*path, key))
         yield (*path, key), field.schema
@@ -106,7 +78,6 @@ def test_numbers_are_bounded_on_both_sides(path):
 
 @pytest.mark.parametrize("path", FIELDS, ids=".".join)
 def test_any_wrong_value_gets_a_sentence_of_ours(path):
-    """What is wrong, a semicolon, what to do; at the key's own line."""
     head = "".join(f"{'  ' * depth}{key}:\n" for depth, key in enumerate(path))[:-1]
     for wrong in WRONG:
         try:

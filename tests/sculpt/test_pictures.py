@@ -6,17 +6,14 @@ import io
 import make_pictures
 import numpy as np
 import pytest
-from pictures.cubes import CELLS, EYE_CELL_PX, EYE_Y, EYE_Z, FACE_CELL_PX, directions
-from pictures.expressions import FACES
+from head_mesh import unwrapped, wrapped
+from pictures.cubes import CELLS, EYE_CELL_PX, EYE_Y, EYE_Z, FACE_CELL_PX, FACES, directions
 from pictures.inks import Painted, coloured, ink, mixed, plain, with_palette
 from PIL import Image
-from uv_map import unwrapped, wrapped
 
 from mimoc.compiler.looks.appearance import GRID_LAYOUT
-from mimoc.compiler.looks.colours import INKS, inks_of, mixtures
-from mimoc.compiler.looks.pictures import FOLDER, read_picture
-from mimoc.schema.expressions import EXPRESSIONS
-from mimoc.schema.looks import LooksSpec
+from mimoc.compiler.looks.pictures import FOLDER, INKS, inks_of, mixtures, read_picture
+from mimoc.schema.body import EXPRESSIONS, LooksSpec
 
 SKIN = inks_of(LooksSpec(), "shirt_and_trousers")["skin"]
 

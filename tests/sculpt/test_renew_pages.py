@@ -32,7 +32,7 @@ def test_a_page_of_other_bodies_is_told_in_one_line_with_what_to_do(copy):
     page = copy("inverse")
     assert page.problem == (
         f"inverse/inverse.md: of the bodies {OTHER}, today's are {page.todays}; "
-        "run 'make experiments', or mimoc experiment inverse -o inverse --development published"
+        "run '.ci/task experiments', or mimoc experiment inverse -o inverse --development published"
     )
 
 

@@ -8,8 +8,7 @@ import pytest
 from mimoc.compiler import pipeline
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.bodies import bodies_digest
-from mimoc.studies.skills.learning import CHILD, bodies_of
-from mimoc.studies.skills.shipped import shipped_skills
+from mimoc.studies.skills.learning import CHILD, bodies_of, shipped_skills
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 COLUMNS = (("maturing", "torque"), ("maturing", "muscle"), ("published", "torque"))

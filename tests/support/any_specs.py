@@ -6,14 +6,8 @@ from hypothesis import strategies as st
 
 from mimoc.anatomy.parts import kinds_of_hands
 from mimoc.schema import InfantSpec, PartSpec
-from mimoc.schema.looks import Clothes, EyeColour, HairColour, SkinTone
-from mimoc.schema.names import (
-    MEASUREMENT_KEYS,
-    SIDED_MEASUREMENT_KEYS,
-    STRENGTH_GROUPS,
-    limb_bodies,
-    trunk_bodies,
-)
+from mimoc.schema.body import Clothes, EyeColour, HairColour, SkinTone
+from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, STRENGTH_GROUPS, limb_bodies, trunk_bodies
 
 LEAST = {"mimoc": 1, "name": "x", "age_months": 9}
 
@@ -26,7 +20,6 @@ LOOKS = {
 
 
 def specs() -> st.SearchStrategy[InfantSpec]:
-    """Specs that say a little of everything."""
     hands = st.sampled_from(kinds_of_hands())
     timesteps_ms = st.sampled_from((1.0, 2.0, 2.5, 5.0))
     return st.builds(_spec, hands, timesteps_ms, st.data(), st.floats(0, 24))

@@ -5,28 +5,12 @@ from pathlib import Path
 
 from mimoc.bundle.io import MANIFEST, Bundle, lock_files
 
-MANIFEST_DATA = {
-    "name": "infant",
-    "child": {
-        "age_months": 9,
-        "length_cm": 70,
-        "weight_kg": 9,
-        "head_circumference_cm": 44,
-        "arm_circumference_cm": 14,
-    },
-    "root_body": "hip",
-    "root_joint": "free",
-    "timestep_ms": 5,
-    "step_ms": 10,
-    "pose": "supine",
-    "poses": ["supine"],
-    "actuation": {"actuators": []},
-    "senses": {},
-}
+CHILD = {"age_months": 9, "length_cm": 70, "weight_kg": 9, "head_circumference_cm": 44, "arm_circumference_cm": 14}
+MANIFEST_DATA = {"child": CHILD, "root_body": "hip", "root_joint": "free", "timestep_ms": 5, "step_ms": 10}
+MANIFEST_DATA |= {"pose": "supine", "poses": ["supine"], "actuation": {"actuators": []}, "senses": {}}
 
 
 def make_bundle(mark: str = "one", **changes: object) -> Bundle:
-    """Return a bundle whose every file says which one it is."""
     files = {f"assets/{n}.png": f"{mark} {n}".encode() * 3000 for n in range(8)}
     manifest = json.dumps({**MANIFEST_DATA, "name": mark, **changes}).encode()
     return lock_files({"infant.xml": mark.encode(), **files, MANIFEST: manifest}, {"mimoc": "1"}, {"who.csv": b"1,2"})
@@ -36,5 +20,4 @@ ONE, TWO = make_bundle("one"), make_bundle("two")
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Return every file below a folder, hidden ones too."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -17,8 +17,7 @@ from mimoc import cli
 class Outcome(NamedTuple):
     """What a command did."""
 
-    code: int
-    """The exit code."""
+    code: int  # The exit code.
     out: str
     err: str
 
@@ -44,7 +43,6 @@ def invoke(monkeypatch, capfd) -> Callable[..., Outcome]:
 
 
 def process(*arguments: object, **options: Any) -> subprocess.Popen[str]:
-    """Start a command in a process of its own."""
     command = [sys.executable, "-m", "mimoc", *map(str, arguments)]
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
@@ -52,7 +50,6 @@ def process(*arguments: object, **options: Any) -> subprocess.Popen[str]:
 
 
 def drained(terminal: int) -> bytes:
-    """Return what is left to read of a terminal that nobody writes to any more."""
     left = b""
     try:
         while some := os.read(terminal, 1024):

@@ -7,8 +7,7 @@ from pathlib import PurePosixPath
 
 import pytest
 
-SLOW_S = 5.0
-"""CPU time of a test, without its fixtures, from which on it is marked `slow`."""
+SLOW_S = 5.0  # CPU time of a test, without its fixtures, from which on it is marked `slow`.
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -28,7 +27,6 @@ class CpuTimes:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self) -> None:
-        """Note the time at the start of a test."""
         self._until_now_s = _cpu_s()
 
     @pytest.hookimpl(wrapper=True)
@@ -51,7 +49,6 @@ class CpuTimes:
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
-        """Let a worker send its time home."""
         if hasattr(session.config, "workeroutput"):
             session.config.workeroutput["cpu_s"] = _cpu_s()  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -61,7 +58,6 @@ class CpuTimes:
         self._of_workers_s += getattr(node, "workeroutput", {}).get("cpu_s", 0.0)
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
-        """Print the table."""
         write = terminalreporter.write_line
         whole_s = self._of_workers_s or _cpu_s()
         terminalreporter.section("CPU time by folder")

@@ -6,12 +6,9 @@ from typing import Any
 
 import numpy as np
 
-DEVICE = os.environ.get("MIMOC_TEST_DEVICE", "warp:cpu")
-"""As `mimoc.make_vec` takes it."""
-WARP_DEVICE = DEVICE.removeprefix("warp:")
-"""The same, as Warp calls it."""
-CLOSE = 1e-4
-"""Difference of angles [rad] that is left between MuJoCo and MuJoCo Warp after some steps."""
+DEVICE = os.environ.get("MIMOC_TEST_DEVICE", "warp:cpu")  # As `mimoc.make_vec` takes it.
+WARP_DEVICE = DEVICE.removeprefix("warp:")  # The same, as Warp calls it.
+CLOSE = 1e-4  # Difference of angles [rad] that is left between MuJoCo and MuJoCo Warp after some steps.
 
 
 def assert_close(

@@ -18,8 +18,7 @@ from mimoc.render.opengl import open_context
 from mimoc.render.renderer import visual_settings
 
 MjrContext = mujoco.MjrContext
-SHADOWS_PX = 1024
-"""The most that a map of shadows is wide."""
+SHADOWS_PX = 1024  # The most that a map of shadows is wide.
 
 
 class Contexts:
@@ -38,14 +37,12 @@ class Contexts:
         return _Reused(context, self)
 
     def take_back(self, context: Any) -> None:
-        """Keep a context for the next one to be opened."""
         if self._are_kept:
             self._kept[_here()].append(context)
         else:
             context.free()
 
     def free(self) -> None:
-        """Free those that are kept, and keep no more."""
         self._are_kept = False
         for context in self._kept.pop(_here(), []):
             context.free()

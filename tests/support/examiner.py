@@ -20,7 +20,6 @@ class Examiner:
     """An infant, and what is done to it."""
 
     def __init__(self, bundle: mimoc.Bundle, trunk: str = "upper_body"):
-        """Add fingertip, plate and hands to the scene of an infant."""
         xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
         spec = mujoco.MjSpec.from_string(xml, assets=files)
         tip = spec.worldbody.add_body(name="fingertip", mocap=True, pos=AWAY_M)
@@ -64,7 +63,6 @@ class Examiner:
         self.data.mocap_quat[index] = quat
 
     def turn_head(self, angle_rad: float) -> None:
-        """Keep the head turned, positive to the left."""
         equality = self.model.equality("turned").id
         self.model.eq_data[equality][0] = angle_rad
         self.data.eq_active[equality] = 1
@@ -84,7 +82,6 @@ class Examiner:
         self.data.mocap_pos[index] = self.data.body(body).xpos + world_from_body @ centre
 
     def _force_n(self) -> float:
-        """Return the force of the fingertip."""
         force, total = np.zeros(6), 0.0
         for index, contact in enumerate(self.data.contact):
             if self.model.geom("fingertip").id in contact.geom:
@@ -93,7 +90,6 @@ class Examiner:
         return total
 
     def put_plate(self, height_m: float) -> None:
-        """Put the upper side of the plate at a height."""
         index = self.model.body("plate").mocapid[0]
         self.data.mocap_pos[index] = [*self.data.body(self.trunk).xpos[:2], height_m - 0.02]
 

@@ -13,20 +13,18 @@ from scipy.ndimage import gaussian_filter1d
 
 import mimoc
 from mimoc.motion.body_points import film, locate
-from mimoc.motion.labels import known_name
+from mimoc.motion.labels import MINI_RGBD_POINTS, known_name
 from mimoc.motion.point_recording import FloatArray, PointRecording
-from mimoc.motion.points import MINI_RGBD_POINTS
 from mimoc.motion.read_coco import COCO_17
 from mimoc.motion.read_mediapipe import LANDMARKS
 from mimoc.motion.read_openpose import BODY_25
-from mimoc.motion.units import metres_in, seconds_in
+from mimoc.motion.timing import metres_in, seconds_in
 
 BODY_25_POINTS = tuple(map(known_name, BODY_25))
 
 
 @cache
 def kicking_model() -> mujoco.MjModel:
-    """Return an infant of three months on a floor."""
     spec = mimoc.InfantSpec(mimoc=1, name="kicking", age_months=3, senses={"proprioception": {}})
     return mimoc.make(spec).unwrapped.model
 
@@ -75,7 +73,6 @@ def filmed(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: in
 
 
 def in_space(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: int = 0) -> PointRecording:
-    """Return where its points are, z upwards."""
     places_m = locate(kicking_model(), kicking(frames, seed), names)
     return PointRecording("kicking", 30.0, names, places_m, np.ones(places_m.shape[:2]))
 

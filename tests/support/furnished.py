@@ -50,7 +50,6 @@ def spec_with(objects: Sequence[dict[str, Any]], age_months: float = 9, **others
 
 
 def furnished(objects: Sequence[dict[str, Any]], age_months: float = 9, **others: Any) -> Furnished:
-    """Return an infant among some objects as it starts."""
     bundle = mimoc.build(spec_with(objects, age_months, **others))
     model = load_model(bundle)
     data = mujoco.MjData(model)

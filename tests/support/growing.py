@@ -7,8 +7,7 @@ import numpy as np
 
 import mimoc
 
-DEEPEST_M = 2e-4
-"""Wanted just after growth, of all contacts of the infant."""
+DEEPEST_M = 2e-4  # Wanted just after growth, of all contacts of the infant.
 SENSES = {"proprioception": {}, "vestibular": {"canals": "age"}}
 
 
@@ -27,7 +26,6 @@ def same(first: list[dict[str, np.ndarray]], second: list[dict[str, np.ndarray]]
 
 
 def deepest_m(env: mimoc.InfantEnv) -> float:
-    """Return the deepest penetration of the infant into itself or anything else."""
     model, data = env.model, env.data
     mujoco.mj_fwdPosition(model, data)
     own = model.body_rootid[model.geom_bodyid] == model.body(env.manifest.root_body).id

@@ -12,7 +12,6 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def build_wheel(project: Path, folder: Path) -> Path:
-    """Return the wheel of a project, built into a folder of its own."""
     build = ["-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(project)]
     subprocess.run([sys.executable, *build], check=True, capture_output=True)
     (wheel,) = folder.glob("*.whl")

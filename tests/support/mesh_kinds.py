@@ -32,7 +32,6 @@ def moved(mesh: Arrays, *by: float) -> Arrays:
 
 
 def bumpy_ball(faces: int) -> Arrays:
-    """Return a closed mesh of at least as many faces."""
     rows = int(np.ceil((faces / 4) ** 0.5)) + 1
     columns = 2 * rows
     polar = np.linspace(0, np.pi, rows + 1)[1:-1, None]
@@ -49,7 +48,6 @@ def bumpy_ball(faces: int) -> Arrays:
 
 
 def confetti(count: int) -> Arrays:
-    """Return triangles that have nothing in common."""
     generator = np.random.default_rng(0)
     middles, corners = generator.random((count, 1, 3)), 0.002 * generator.random((count, 3, 3))
     return (middles + corners).reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
@@ -68,7 +66,6 @@ def cup() -> Arrays:
 
 
 def table() -> Arrays:
-    """Return a board on four legs, along z."""
     legs = [moved(box(0.1, 0.1, 0.6), x, y, -0.3) for x in (-0.4, 0.4) for y in (-0.3, 0.3)]
     return joined(box(1.0, 0.8, 0.1), *legs)
 
@@ -83,7 +80,7 @@ def half_inside_out(mesh: Arrays) -> Arrays:
     return mesh[0], faces
 
 
-USABLE: dict[str, Callable[[], Arrays]] = {
+USABLE: dict[str, Callable[[], Arrays]] = {  # What becomes a toy.
     "box": box,
     "table": table,
     "ball": lambda: arrays_of(creation.icosphere(subdivisions=3)),
@@ -117,11 +114,9 @@ USABLE: dict[str, Callable[[], Arrays]] = {
     "confetti": lambda: confetti(20_000),
     "many_faces": lambda: bumpy_ball(60_000),
 }
-"""What becomes a toy."""
 
 
 def moebius() -> Arrays:
-    """Return a band of one side."""
     turns = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     across = np.array([-0.3, 0.3])[:, None]
     rows = [(1 + across * np.cos(turns / 2)) * f(turns) for f in (np.cos, np.sin)] + [across * np.sin(turns / 2)]
@@ -130,7 +125,7 @@ def moebius() -> Arrays:
     return vertices, np.array([face for a, b, c, d in quads for face in ((a, b, d), (a, d, c))])
 
 
-UNUSABLE: dict[str, tuple[bytes, str]] = {
+UNUSABLE: dict[str, tuple[bytes, str]] = {  # What is called .obj and gets an error, and what the error says.
     "empty": (b"", "is an empty file"),
     "text": (b"Dear reader,\nthis is a letter and no mesh.\n", "contains no triangles"),
     "no_faces": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "contains no triangles"),
@@ -141,7 +136,6 @@ UNUSABLE: dict[str, tuple[bytes, str]] = {
     "missing_corner": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "(IndexError|not in the file)"),
     "noise": (bytes(range(256)) * 40, "(cannot|contains no triangles|is not a mesh)"),
 }
-"""What is called .obj and gets an error, and what the error says."""
 
 
 def obj(mesh: Arrays) -> bytes:
@@ -151,7 +145,6 @@ def obj(mesh: Arrays) -> bytes:
 
 
 def stl(mesh: Arrays) -> bytes:
-    """Return a binary STL file."""
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
     records = np.zeros(len(mesh[1]), record)
     records["corners"] = mesh[0][mesh[1]]
@@ -171,7 +164,6 @@ def glb(mesh: Arrays) -> bytes:
 
 
 def glb_of(content: dict, blob: bytes = b"") -> bytes:
-    """Return a .glb file of any content."""
     text = json.dumps(content).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text

@@ -50,13 +50,11 @@ SCENE = """<!-- A scene of somebody's -- with two hyphens, which MuJoCo reads. -
 
 
 def mimo_of(age_months: float = 9, **sections: Any) -> ElementTree.Element:
-    """Return the MJCF of an infant that was built for MIMo, to be changed."""
     name = f"for mimo {age_months} {sorted(sections.items())}"
     return deepcopy(made_once(name, lambda: build_mimo(age_months, **sections)))
 
 
 def build_mimo(age_months: float, **sections: Any) -> ElementTree.Element:
-    """Build what `mimo_of` returns."""
     spec = {"name": "mimo", "age_months": age_months, "development": "published", **sections}
     spec = {"mimoc": 1, "senses": {"proprioception": {}, "vestibular": {}}, **spec}
     return ElementTree.fromstring(mimoc.build(InfantSpec.model_validate(spec), "mimo").files["infant.xml"])
@@ -86,12 +84,10 @@ def write_scene(folder: Path, infant: ElementTree.Element | None = None, **parts
 
 
 def body(infant: ElementTree.Element, name: str) -> ElementTree.Element:
-    """Return a body of an infant."""
     return next(part for part in infant.iter("body") if part.get("name") == name)
 
 
 def remove(infant: ElementTree.Element, name: str) -> None:
-    """Remove a body, all on it, and all that refers to these."""
     parents = {child: parent for parent in infant.iter() for child in parent}
     gone = body(infant, name)
     names = {part.get("name") for part in gone.iter() if part.get("name")}

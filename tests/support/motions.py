@@ -15,15 +15,7 @@ from mimoc.movement.retargeting.result import Account, Interval, Retargeted
 def moved(
     bundle: mimoc.Bundle, seconds: float = 2.0, every: int = 3, seed: int = 0, strength: float = 0.3
 ) -> JointMotion:
-    """Return the motion of an infant under slow random commands: one that its own body can make.
-
-    Args:
-        bundle: The infant.
-        seconds: Its duration.
-        every: Control steps from one frame to the next.
-        seed: Of the commands.
-        strength: Largest command.
-    """
+    """Return the motion of an infant under slow random commands: one that its own body can make."""
     env = mimoc.InfantEnv(bundle)
     generator = np.random.default_rng(seed)
     env.reset(seed=seed)

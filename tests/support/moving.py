@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.motion.point_recording import FloatArray, PointRecording
-from mimoc.motion.points import MINI_RGBD_POINTS
 
 TRUNK_PX = 100.0
-REST = {
+REST = {  # Where points are at rest, x to the right and y downwards, [trunk] from the middle of the hips.
     "head": (0.0, -1.3),
     "neck": (0.0, -1.0),
     "left_shoulder": (0.3, -0.9),
@@ -18,7 +18,6 @@ REST = {
     "left_knee": (0.4, 0.4),
     "left_foot": (0.3, 0.8),
 }
-"""Where points are at rest, x to the right and y downwards, [trunk] from the middle of the hips."""
 
 
 def moving(paths: dict[str, FloatArray], seconds: float = 33.0, rate_hz: float = 30.0) -> PointRecording:
@@ -33,7 +32,6 @@ def moving(paths: dict[str, FloatArray], seconds: float = 33.0, rate_hz: float =
 
 
 def restless(seed: int = 0, seconds: float = 33.0, rate_hz: float = 30.0) -> PointRecording:
-    """Return a body whose limbs wander in bursts."""
     generator, count = np.random.default_rng(seed), round(seconds * rate_hz)
     times_s = np.arange(count) / rate_hz
     paths = {}
@@ -53,5 +51,4 @@ def wave(rate_hz: float, amplitude: float, seconds: float = 33.0, frames_hz: flo
 
 
 def placed(recording: PointRecording, positions: FloatArray, names: tuple[str, ...] | None = None) -> PointRecording:
-    """Return a recording with other positions and, if given, names."""
     return replace(recording, positions=positions, names=names or recording.names)

@@ -20,7 +20,6 @@ def few_ages() -> Any:
 
 
 def read_page(page: str) -> dict[str, Any]:
-    """Return what a page knows, with its arrays."""
     data = json.loads(_text(page, "data"))
     block = gzip.decompress(base64.b64decode(_text(page, "block")))
     arrays = [_array(block, **described) for described in data.pop("arrays")]

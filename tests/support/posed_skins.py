@@ -9,8 +9,7 @@ from mimoc.body.kinematics import frames
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.skin import SkinLayer
 
-NEAR_M = 0.02
-"""Middles of an edge and of a face that cross are nearer than this."""
+NEAR_M = 0.02  # Middles of an edge and of a face that cross are nearer than this.
 
 
 def edges_of(layer: SkinLayer) -> np.ndarray:
@@ -18,7 +17,6 @@ def edges_of(layer: SkinLayer) -> np.ndarray:
 
 
 def posed(layer: SkinLayer, placed) -> np.ndarray:
-    """Return where bodies take the vertices of a layer, as MuJoCo does it."""
     verts_m = np.zeros_like(layer.verts_m)
     for index, bone in enumerate(layer.bones):
         origin, turn = placed[bone]

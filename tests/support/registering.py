@@ -1,4 +1,4 @@
-"""Kinds that are registered for the time of a test."""
+"""Components that are registered for the time of a test."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -6,22 +6,23 @@ from contextlib import AbstractContextManager, contextmanager
 import pytest
 
 import mimoc
-from mimoc.schema.composition import recompose
-from mimoc.schema.plugins import KINDS, Record
+from mimoc.base.kinds import Component
+from mimoc.schema.base import recompose
+from mimoc.schema.plugins import GROUPS
 
 
 @contextmanager
-def _registered(record: Record) -> Iterator[None]:
-    mimoc.register(record)
+def registered(*records: Component) -> Iterator[None]:
+    mimoc.register(*records)
     try:
         yield
     finally:
-        (table,) = (table for kind, table in KINDS.values() if isinstance(record, kind))
-        table.remove(record.name)
+        for record in records:
+            (table,) = (table for table in GROUPS.values() if isinstance(record, table.record))
+            table.remove(record.name)
         recompose()
 
 
-@pytest.fixture
-def registered() -> Callable[[Record], AbstractContextManager[None]]:
-    """Return what registers a record within a `with` statement."""
-    return _registered
+@pytest.fixture(name="registered")
+def _registered() -> Callable[..., AbstractContextManager[None]]:
+    return registered

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.motion.body_points import film, locate
+from mimoc.motion.labels import POINTS
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, PointRecording
-from mimoc.motion.points import POINTS
 from mimoc.movement.retargeting.fitting import Problem, State
 from mimoc.movement.retargeting.observations import camera_from_world
 from mimoc.movement.retargeting.setting import Noise, Setting, first_state, problem_of, setting_of
@@ -25,7 +25,6 @@ FRAMES, RATE_HZ = 12, 15.0
 
 @cache
 def child(hands: str = "mitten") -> Child:
-    """Return the average child of three months."""
     spec = starting_spec(None, 3.0, "child")
     return compile_child(spec.with_(body={"hands": hands}))
 
@@ -47,15 +46,7 @@ def setting(kind: str, hands: str = "mitten") -> Setting:
 def slanted(
     model: object, qpos: np.ndarray, pitch_deg: float, names: tuple[str, ...] = NAMES, turned_deg: float = 0.0
 ) -> PointRecording:
-    """Return what a camera 1 m from an infant sees that looks down by an angle, with depth.
-
-    Args:
-        model: The infant.
-        qpos: Its configurations.
-        pitch_deg: Angle below the horizon.
-        names: Points to see.
-        turned_deg: By how much the infant is turned about the vertical.
-    """
+    """Return what a camera 1 m from an infant sees that looks down by an angle, with depth."""
     places_m = locate(model, qpos, names)
     turn, (cosine, sine) = (
         camera_from_world(pitch_deg),
@@ -72,7 +63,6 @@ def slanted(
 def problem_and_state(
     kind: str, hands: str = "mitten", shift: float = 0.05, pitch_deg: float | None = None
 ) -> tuple[Problem, State]:
-    """Return a problem, and a state that is some way from its solution."""
     draw = np.random.default_rng(4)
     whole = setting(kind, hands)
     if pitch_deg is not None:
@@ -85,7 +75,6 @@ def problem_and_state(
 
 @cache
 def known(seed: int, frames: int = 90, **options) -> tuple[InfantSpec, np.ndarray, object, object]:
-    """Return a random child, its motion, its model and a recording of it."""
     draw = np.random.default_rng(seed)
     spec = known_motions.random_child(draw)
     model = known_motions.model_of(spec)

@@ -13,7 +13,7 @@ FILES = sorted(ROOT.rglob("*.py"))
 MODULES = {
     ".".join(("mimoc", *path.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__"): path for path in FILES
 }
-FLOORS = (
+FLOORS = (  # The rooms from the ground up. Each may import those on the floors below it, and none beside it.
     ("base",),
     ("anatomy", "fits"),
     ("schema",),
@@ -28,10 +28,9 @@ FLOORS = (
     ("mimoc",),
     ("cli",),
 )
-"""The rooms from the ground up. Each may import those on the floors below it, and none beside it."""
 FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 ALIASES = {"version": "base", "__main__": "cli"}
-NAMED_RECORDS = ("mimoc.schema.components.", "mimoc.base.quantities.")
+NAMED_RECORDS = ("mimoc.schema.kinds", "mimoc.base.quantities.")
 """Tables that name the code of their records by module, to be imported when it is asked for."""
 
 
@@ -39,11 +38,9 @@ NAMED_RECORDS = ("mimoc.schema.components.", "mimoc.base.quantities.")
 class Import:
     """One import, as it is written."""
 
-    module: str
-    """Full name of the importing module."""
+    module: str  # Full name of the importing module.
     line: int
-    name: str
-    """Full name of what is imported."""
+    name: str  # Full name of what is imported.
 
     @property
     def target(self) -> str:
@@ -67,7 +64,6 @@ def imports(module: str, source: str, *, is_package: bool = False) -> list[Impor
 
 
 def all_imports() -> list[Import]:
-    """Return the imports of all modules."""
     return [
         each
         for module, path in MODULES.items()
@@ -85,7 +81,6 @@ def arrows(found: list[Import]) -> dict[tuple[str, str], list[Import]]:
 
 
 def runs_up(arrow: tuple[str, str]) -> bool:
-    """Return whether a room imports one that is not below it."""
     return FLOOR_OF.get(arrow[0], -1) <= FLOOR_OF.get(arrow[1], len(FLOORS))
 
 
@@ -100,7 +95,6 @@ def module_graph(found: list[Import]) -> dict[str, set[str]]:
 
 
 def report() -> list[str]:
-    """Return what the house looks like, line by line."""
     found = all_imports()
     pairs = arrows(found)
     top = [path for path in ROOT.iterdir() if not path.name.startswith((".", "__pycache__"))]

@@ -4,18 +4,18 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import pytest
 from support import store
 
 import mimoc
-from mimoc.schema.components.tasks import SKILLS
+from mimoc.schema.kinds import SKILLS
 
-CONFIGS = sorted(
+CONFIGS = sorted(  # One skill stands for all, which begin otherwise and have other entries, but no other MJCF.
     path
     for path in (Path(__file__).parents[2] / "configs").glob("*.yaml")
     if path.stem not in SKILLS or path.stem == "cruise"
 )
-"""One skill stands for all, which begin otherwise and have other entries, but no other MJCF."""
 SENSES = {"proprioception": {}, "vestibular": {}}
 
 
@@ -26,7 +26,6 @@ def build(**keys: Any) -> mimoc.Bundle:
 
 @pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)
 def config(request) -> mimoc.Bundle:
-    """Return the bundle of each config that mimoc ships."""
     return store.built(request.param)
 
 
@@ -38,7 +37,6 @@ def built() -> Callable[..., mimoc.Bundle]:
 
 @pytest.fixture(scope="session")
 def bundle() -> mimoc.Bundle:
-    """Return a sitting infant with every sense there is."""
     return build(scene={"kind": "flat", "pose": "sitting"})
 
 
@@ -61,7 +59,18 @@ def open_env(bundle) -> Iterator[Callable[..., mimoc.InfantEnv]]:
 
 @pytest.fixture
 def env(open_env) -> mimoc.InfantEnv:
-    """Return the environment of the usual infant, after a reset."""
     env = open_env()
     env.reset(seed=0)
     return env
+
+
+def _driven(model: str, age_months: float, hands: str) -> mujoco.MjModel:
+    body = {"hands": hands, "chest_joint": hands == "five_finger"}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": body, "actuation": {"model": model}}
+    return store.compiled(mimoc.InfantSpec.model_validate(spec))
+
+
+@pytest.fixture(scope="session")
+def driven() -> Callable[[str, float, str], mujoco.MjModel]:
+    """Return the compiled average child of an actuation model, an age, and hands; shared, so never to be written to."""
+    return _driven

@@ -9,12 +9,10 @@ from support import store
 import mimoc
 from mimoc.bundle.model import load_posed
 
-TOUCH_M = 1.5e-4
-"""Penetration of what lies on something."""
+TOUCH_M = 1.5e-4  # Penetration of what lies on something.
 
 
 def spec_with(*objects: dict[str, Any], age_months: float = 6, kind: str = "flat", **scene: Any) -> dict[str, Any]:
-    """Return a spec with some objects."""
     return {
         "mimoc": 1,
         "name": "infant",
@@ -25,12 +23,10 @@ def spec_with(*objects: dict[str, Any], age_months: float = 6, kind: str = "flat
 
 
 def built_with(*objects: dict[str, Any], **keys: Any) -> mimoc.Bundle:
-    """Return the bundle of a spec with some objects."""
     return store.built(spec_with(*objects, **keys))
 
 
 def started(bundle: mimoc.Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return a model and its state at the start."""
     return load_posed(bundle, pose)
 
 
@@ -56,7 +52,6 @@ def drift_m(bundle: mimoc.Bundle, model: mujoco.MjModel, data: mujoco.MjData, se
 
 
 def fastest_m_s(bundle: mimoc.Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> float:
-    """Return the largest speed of the centre of mass of a body of an object."""
     roots = [model.body(item.body).id for item in bundle.manifest.objects]
     speed, speeds_m_s = np.zeros(6), [0.0]
     for body in np.flatnonzero(np.isin(model.body_rootid, roots)):

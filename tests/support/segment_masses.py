@@ -1,12 +1,16 @@
-"""Masses of the segments of a body, next to published ones."""
+"""Masses of the segments of a body, next to published ones and to those by the growth law of MIMo's paper."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
-from mimoc.anatomy.anatomy import assemble
+from mimoc.anatomy.anatomy import Anatomy, assemble
+from mimoc.anatomy.part import Region
 from mimoc.base.units import m_to_cm
 from mimoc.body.grow import grow_average
+from mimoc.body.reference import reference_body
+from mimoc.body.shapes import shape_parts
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measurements, measure
 
@@ -27,11 +31,9 @@ of component masses; S)."""
 class Regression:
     """A published formula for a segment's mass in kg."""
 
-    source: str
-    """Publication, with what is known of it: S read in the source, M from memory."""
+    source: str  # Publication, with what is known of it: S read in the source, M from memory.
     segment: str
-    mass_kg: Callable[[Measurements, float], float]
-    """From the measurements of a child and its mass in kg."""
+    mass_kg: Callable[[Measurements, float], float]  # From the measurements of a child and its mass in kg.
 
 
 def _by_weeks(newborn_kg: float, kg_per_week: float) -> Callable[[Measurements, float], float]:
@@ -118,3 +120,31 @@ def _average(age_months: float) -> tuple[Measurements, dict[str, float], dict[st
     grown = grow_average(age_months, assemble("mitten", False))
     published = grow_average(age_months, assemble("mitten", False, "published"))
     return measure(age_months), segment_masses(grown), segment_masses(published), grown.mass_kg
+
+
+@dataclass(frozen=True)
+class ByVolume:
+    """Masses and torques of a child in proportion to the volumes of MIMo's solids with its measurements."""
+
+    masses_kg: dict[str, float]  # By body.
+    gears_nm: dict[str, float]  # By motor.
+    regions: dict[str, Region]  # By body.
+
+
+def by_volume(child: Measurements, anatomy: Anatomy) -> ByVolume:
+    reference = reference_body(anatomy, child.age_months)
+    volumes_m3 = shape_parts(child, reference).mimos_m3
+    masses_kg = {
+        part.name.format(side=side): sum(
+            reference.densities_kg_m3[geom.name] * volumes_m3[side][geom.name] for geom in part.geoms
+        )
+        for side, part in anatomy.mimos_parts
+    }
+    gears_nm = {
+        motor.name.format(side=side): motor.gear_nm
+        * cast(float, volumes_m3[side][motor.driven_geom] / reference.volumes_m3[motor.driven_geom])
+        for side, motor in anatomy.motors
+    }
+    return ByVolume(
+        masses_kg, gears_nm, {part.name.format(side=side): part.region for side, part in anatomy.mimos_parts}
+    )

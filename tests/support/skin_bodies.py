@@ -11,7 +11,7 @@ from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import GeometryError
 from mimoc.body.grow import grow_body, grow_tree
 from mimoc.body.tree import Body, BodyTree, Geom
-from mimoc.components.senses.touch.build_skin_points import SkinPoints
+from mimoc.components.senses.touch.build import SkinPoints
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, trunk_bodies
@@ -19,7 +19,7 @@ from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bo
 HANDS = ("mitten", "five_finger")
 SIDES = ("left", "right")
 MIRROR = np.array([1, -1, 1])
-SPACING_M = {
+SPACING_M = {  # Of MIMo, at 18 months (senses.md, section 4).
     "head": 0.013, "hip": 0.025, "lower_body": 0.025, "upper_body": 0.030, "chest": 0.030,
     "upper_arm": 0.024, "lower_arm": 0.024, "hand": 0.007, "fingers": 0.002, "lfmetacarpal": 0.007,
     "ffdistal": 0.002, "mfdistal": 0.002, "rfdistal": 0.002, "lfdistal": 0.002, "thdistal": 0.002,
@@ -27,7 +27,6 @@ SPACING_M = {
     "ffknuckle": 0.004, "mfknuckle": 0.004, "rfknuckle": 0.004, "lfknuckle": 0.004, "thbase": 0.004,
     "upper_leg": 0.027, "lower_leg": 0.038, "foot": 0.015, "toes": 0.010, "big_toe": 0.010,
 }  # fmt: skip
-"""Of MIMo, at 18 months (senses.md, section 4)."""
 
 
 @cache

@@ -19,7 +19,7 @@ MODEL = mujoco.MjModel.from_xml_string("""
 
 
 SLIDERS = np.arange(2)
-MOTORS = Actuation(
+MOTORS = Actuation(  # Every command is its control.
     SLIDERS,
     np.full(2, -1e6),
     np.full(2, 1e6),
@@ -27,4 +27,3 @@ MOTORS = Actuation(
     Field("ctrl", SLIDERS),
     Field("ctrl", SLIDERS),
 )
-"""Every command is its control."""

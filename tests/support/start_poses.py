@@ -1,6 +1,6 @@
 """How far an infant moves that begins an episode and does nothing, and how deep it is in what it touches.
 
-`make poses` prints it for all poses, ages and bodies. What is asked of a start pose: hands and feet stay within
+`.ci/task poses` prints it for all poses, ages and bodies. What is asked of a start pose: hands and feet stay within
 `MOVED_M` of where they are for `SECONDS`, without commands, and nothing is deeper than `DEPTH_M` in the floor,
 in furniture or in the infant itself, at any time. Two things are held meanwhile, since they are not at rest but held:
 what strength must hold in `sitting` and `standing` (`Pose.held`), as the hands of an adult would for the youngest, and
@@ -30,8 +30,7 @@ BETWEEN_MONTHS = (0.1, 0.4, 0.6, 0.9, 1.2, 1.7, 2.5, 3.5, 5, 8, 10.5, 16.5, 20)
 HELD_BY_TASK = {"selfbody": ("{side}_*",), "catch": ("{side}_*",), "standup": ("*",)}
 """Joints that strength holds: of an arm in the air, which touches nothing yet or offers its palm, and of an infant that
 leans back and pulls at a rail."""
-HELD_KGM2 = 1e6
-"""Armature of joints that strength holds."""
+HELD_KGM2 = 1e6  # Armature of joints that strength holds.
 
 
 @dataclass(frozen=True)
@@ -40,16 +39,11 @@ class Rest:
 
     spec: mimoc.InfantSpec
     pose: str
-    moved_m: float
-    """Farthest that a hand or a foot is from where it was, after 2 s."""
-    part: str
-    """Which."""
-    start_depth_m: float
-    """Deepest contact at the start."""
-    depth_m: float
-    """Deepest contact in those 2 s."""
-    between: tuple[str, str]
-    """The geoms of that contact."""
+    moved_m: float  # Farthest that a hand or a foot is from where it was, after 2 s.
+    part: str  # Which.
+    start_depth_m: float  # Deepest contact at the start.
+    depth_m: float  # Deepest contact in those 2 s.
+    between: tuple[str, str]  # The geoms of that contact.
 
     @property
     def at_rest(self) -> bool:
@@ -58,7 +52,6 @@ class Rest:
         return self.moved_m < factor * MOVED_M and self.depth_m < factor * DEPTH_M
 
     def __str__(self) -> str:
-        """Return a row of a table."""
         spec = self.spec
         who = f"{spec.development} {spec.body.hands} {spec.age_months:g} months {self.pose}"
         moved = f"{self.moved_m * 100:5.2f} cm {self.part}"
@@ -74,7 +67,6 @@ def spec_of(age_months: float, hands: str = "mitten", **sections: Any) -> mimoc.
 
 
 def rests(spec: mimoc.InfantSpec) -> Iterator[Rest]:
-    """Yield what becomes of each pose of a spec's bundle."""
     model = load_model(mimoc.build(spec))
     for key in range(model.nkey):
         yield rest(spec, model, model.key(key).name)
@@ -100,7 +92,6 @@ def rest(spec: mimoc.InfantSpec, model: mujoco.MjModel, pose: str) -> Rest:
 
 
 def held_dofs(model: mujoco.MjModel, pose: str) -> list[int]:
-    """Return the degrees of freedom of the joints that strength holds in a pose."""
     held = POSES[pose].held if pose in POSES else HELD_BY_TASK.get(pose, ())
     patterns = [each.format(side="*") for each in held]
     names = {model.joint(index).name.removeprefix("robot:"): index for index in range(model.njnt)}

@@ -19,20 +19,17 @@ import mujoco
 import mimoc
 from mimoc.compiler.measuring import compile_infant
 
-VARIABLE = "MIMOC_TEST_STORE"
-"""Environment variable with the folder, which the workers of xdist inherit."""
+VARIABLE = "MIMOC_TEST_STORE"  # Environment variable with the folder, which the workers of xdist inherit.
 T = TypeVar("T")
 
 _known: dict[str, Any] = {}
 
 
 def open_folder() -> None:
-    """Make the folder of this process and of those that it starts."""
     os.environ[VARIABLE] = tempfile.mkdtemp(prefix="mimoc-tests-")
 
 
 def remove_folder() -> None:
-    """Remove it with all that is in it."""
     shutil.rmtree(os.environ.pop(VARIABLE), ignore_errors=True)
 
 
@@ -51,7 +48,6 @@ def made_once(name: str, make: Callable[[], T]) -> T:
 
 
 def built(spec: mimoc.InfantSpec | dict[str, Any] | Path) -> mimoc.Bundle:
-    """Return the bundle of a spec, or of the spec in a file."""
     if isinstance(spec, Path):
         return made_once(f"bundle of {spec}", lambda: mimoc.build(spec))
     wanted = mimoc.InfantSpec.model_validate(spec)
@@ -59,5 +55,4 @@ def built(spec: mimoc.InfantSpec | dict[str, Any] | Path) -> mimoc.Bundle:
 
 
 def compiled(spec: mimoc.InfantSpec) -> mujoco.MjModel:
-    """Return the model of an infant on a flat floor."""
     return made_once(f"model {spec.model_dump_json(exclude_unset=True)}", lambda: compile_infant(spec))

@@ -1,4 +1,4 @@
-"""The terms that an environment is made of, for the contract that all of them keep (`mimoc.runtime.term_contract`)."""
+"""The terms that an environment is made of, for the contract that all of them keep (`mimoc.runtime.contract`)."""
 
 import math
 from collections.abc import Iterator
@@ -9,11 +9,11 @@ import numpy as np
 
 from mimoc.base.kinds import function_of
 from mimoc.base.quantities import QUANTITIES
+from mimoc.runtime.contract import INFANTS, check_term
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.noise.noise import Draw, Noise, bind_motor_noise, bind_noise
+from mimoc.runtime.noise import Draw, Noise, bind_motor_noise, bind_noise
 from mimoc.runtime.term import Term
-from mimoc.runtime.term_contract import INFANTS, check_term
-from mimoc.schema.noise import NoiseEntry, noise_keys
+from mimoc.schema.senses import NoiseEntry, noise_keys
 
 
 def terms_of(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]]:
@@ -58,7 +58,6 @@ def _terms_of_actuation(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, 
 
 
 def _terms_of_noise(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]]:
-    """Yield the noise that an infant could have, whether it has any or not."""
     entry = NoiseEntry(motor=0.2, **dict.fromkeys(noise_keys().values(), 1.0))
     noises = {name: bind_noise(name, env.senses[name], entry) for name in noise_keys() if name in env.senses}
     sizes = {name: env.senses[name](env.data).size for name in noises} | {"commands": len(env.actuation.low)}
@@ -80,7 +79,6 @@ def _terms_of_task(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]
 
 
 def check_terms(env: InfantEnv) -> list[str]:
-    """Check all terms of an environment, and return what they are."""
     checked = []
     for name, term, args in terms_of(env):
         check_term(term, env.model, *args)

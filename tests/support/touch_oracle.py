@@ -11,10 +11,8 @@ class TouchLoop:
     """The force on each point of a skin, shape (n * 3,), or (n,) if that is the normal force."""
 
     model: mujoco.MjModel
-    bodies: np.ndarray
-    """Shape (n,)."""
-    points_m: np.ndarray
-    """Shape (n, 3), in the frames of the bodies."""
+    bodies: np.ndarray  # Shape (n,).
+    points_m: np.ndarray  # Shape (n, 3), in the frames of the bodies.
     spacing_m: dict[int, float]
     quantity: str
     response: str
@@ -46,7 +44,6 @@ class TouchLoop:
 
 
 def touch_loop(entry, bundle, model) -> TouchLoop:
-    """Return the loop for an entry."""
     ids = [model.body(part.body).id for part in entry.skin]
     assert ids == sorted(ids)
     return TouchLoop(
@@ -60,7 +57,6 @@ def touch_loop(entry, bundle, model) -> TouchLoop:
 
 
 def points(sample):
-    """Return a sample of vectors point by point."""
     return sample.reshape(-1, 3)
 
 

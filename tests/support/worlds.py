@@ -31,7 +31,6 @@ def plan(path: Path) -> WorldPlan:
 
 
 def placed(infants: dict[str, dict[str, Any]], *places: dict[str, Any], **keys: Any) -> WorldBundle:
-    """Return the bundle of infants by name, each at a place."""
     return mimoc.build_world(plan_of(infants, *places, **keys))
 
 

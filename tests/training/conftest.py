@@ -17,8 +17,7 @@ TINY = {
     "ppo": {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1},
     "sac": {"learning_starts": 20, "batch_size": 16, "buffer_size": 100, "width": 8, "layers": 1},
 }
-EVERY = 128
-"""Steps between checkpoints."""
+EVERY = 128  # Steps between checkpoints.
 
 
 def build(**keys: Any) -> mimoc.Bundle:

@@ -9,7 +9,7 @@ from gymnasium.spaces import Box
 import mimoc
 from mimoc import cli
 from mimoc.base.errors import TrainingError
-from mimoc.training.loading import load_policy
+from mimoc.training.evaluation import load_policy
 
 MODULE = """
 class Stillness:

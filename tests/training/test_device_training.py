@@ -13,7 +13,7 @@ import mimoc
 from mimoc.base.errors import MimocError, PolicyError
 from mimoc.bundle.arrays import unpack_arrays
 from mimoc.policies.policy_file import Archive
-from mimoc.training import learner_choice
+from mimoc.training import trainer
 from mimoc.training.agents import restore_state
 from mimoc.training.device_learner import make_ppo
 from mimoc.training.rsl_rl_env import InfantRslEnv
@@ -23,8 +23,7 @@ pytestmark = pytest.mark.usefixtures("kernels_compiled_quickly")
 
 DEVICE = "warp:cpu"
 TINY = {"n_steps": 32, "mini_batches": 2, "n_epochs": 2, "width": 8, "layers": 1}
-EVERY = 128
-"""Control steps of a rollout of four infants, and between checkpoints."""
+EVERY = 128  # Control steps of a rollout of four infants, and between checkpoints.
 
 
 def learn(bundle: mimoc.Bundle, folder: Path, steps: int, **options: Any) -> Any:
@@ -205,4 +204,4 @@ def test_rsl_rls_own_runner_learns(bundle, capsys):
 def test_the_table_of_refusals_names_options_of_training():
     from inspect import signature
 
-    assert learner_choice.ONLY_ON_CPU.keys() <= signature(mimoc.train).parameters.keys()
+    assert trainer.ONLY_ON_CPU.keys() <= signature(mimoc.train).parameters.keys()

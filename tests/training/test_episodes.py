@@ -13,8 +13,7 @@ from mimoc.policies.rollout import Run
 from mimoc.training.settings import STEPS_PER_EPISODE, TrainingSettings
 
 FREE = {"kind": "free"}
-EVERY = 128
-"""Steps between checkpoints."""
+EVERY = 128  # Steps between checkpoints.
 
 
 class Height:

@@ -56,9 +56,9 @@ def test_an_infant_runs_under_a_policy(bundle, policy):
 def test_a_policy_file_has_the_statistics_of_the_observations(bundle, policy):
     """Variations below the floor are not amplified."""
     act = mimoc.load_policy(policy)(infant(bundle))
-    deviation = act.scale["proprioception"][1]
+    mean, deviation = act.act.args[1]["proprioception"]
     assert deviation.min() >= 0.01
-    observation = {"proprioception": (act.scale["proprioception"][0] + 1e9).astype(np.float32)}
+    observation = {"proprioception": (mean + 1e9).astype(np.float32)}
     assert np.isfinite(act(np.random.default_rng(0), observation)).all()
 
 

@@ -26,8 +26,7 @@ from mimoc.cli.training_output import Lines, shown
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize
 
-EVERY = 128
-"""Steps between checkpoints."""
+EVERY = 128  # Steps between checkpoints.
 TOLD = ["--envs", "2", "--checkpoint-every", str(EVERY), "--threads", "2"]
 for knob in ("n_steps=32", "batch_size=64", "n_epochs=1", "width=8", "layers=1"):
     TOLD += ["--set", knob]

@@ -20,8 +20,7 @@ from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import TrainingSettings
 
-EVERY = 128
-"""Steps between checkpoints."""
+EVERY = 128  # Steps between checkpoints.
 PNG = b"\x89PNG\r\n\x1a\n"
 
 

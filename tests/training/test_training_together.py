@@ -12,10 +12,9 @@ import mimoc
 from mimoc.bundle.arrays import unpack_arrays
 from mimoc.policies.policy_file import Archive
 from mimoc.training.checkpoint import Progress
-from mimoc.training.device_curve import DeviceCurve
-from mimoc.training.group import Wish, train_together
-from mimoc.training.shares import Share
-from mimoc.training.together import run_together
+from mimoc.training.device_learner import DeviceCurve
+from mimoc.training.rsl_rl_env import EnvRows
+from mimoc.training.trainer import TrainingJob, train_together
 
 pytestmark = pytest.mark.usefixtures("kernels_compiled_quickly")
 
@@ -30,9 +29,9 @@ def infants(built) -> list[mimoc.Bundle]:
 
 
 def together(infants: list[mimoc.Bundle], folder: Path, **options: Any) -> Any:
-    wishes = [Wish(infant, folder / str(number), seed=number) for number, infant in enumerate(infants)]
+    jobs = [TrainingJob(infant, folder / str(number), seed=number) for number, infant in enumerate(infants)]
     return train_together(
-        wishes, DEVICE, **{"steps": EVERY, "envs": 2, "hyper": TINY, "checkpoint_every": EVERY} | options
+        jobs, DEVICE, **{"steps": EVERY, "envs": 2, "hyper": TINY, "checkpoint_every": EVERY} | options
     )
 
 
@@ -77,12 +76,20 @@ def test_ctrl_c_keeps_what_each_has_learnt_and_all_go_on(infants, tmp_path):
     assert [training.use for training in again] == [None, None]
 
 
-def test_the_infants_of_a_share_are_not_all_equally_far_in_their_episodes():
+@pytest.mark.slow
+def test_trainings_that_are_not_equally_far_end_together(infants, tmp_path):
+    together(infants[:1], tmp_path / "run")
+    trainings = together(infants, tmp_path / "run", steps=2 * EVERY)
+    assert [training.resumed_at for training in trainings] == [EVERY, 0]
+    assert [training.curve.steps for training in trainings] == [2 * EVERY] * 2
+
+
+def test_the_infants_of_a_learner_are_not_all_equally_far_in_their_episodes():
     ended = SimpleNamespace(steps=torch.zeros(8, dtype=torch.int64), limits=torch.full((8,), 30))
     infants = SimpleNamespace(worlds=SimpleNamespace(ended=ended))
     env: Any = SimpleNamespace(num_envs=8, num_actions=1, infants=infants, device="cpu", max_episode_length=30)
     torch.manual_seed(0)
-    Share(env, first=1, every=2).spread()
+    EnvRows(env, first=1, every=2).randomize_episode_phase()
     theirs, others = ended.steps[1::2].tolist(), ended.steps[::2].tolist()
     assert others == [0] * 4
     assert len(set(theirs)) > 1
@@ -98,52 +105,3 @@ def test_an_episode_that_was_cut_at_a_random_time_does_not_count():
     row = curve.end_row()
     assert (row.episodes, row.success_rate, row.episode_steps, row.episode_return) == (2, 1.0, 1.5, 1.5)
     assert (row.unfinished, row.unfinished_steps) == (1, 4.0)
-
-
-class Step:
-    """A step that does nothing but say who waits for it."""
-
-    def __init__(self, name: str):
-        self.name = name
-
-    def __await__(self):
-        return (yield self)
-
-    def step_with(self, others):
-        return sorted([self.name, *(other.name for other in others)])
-
-
-def test_courses_of_any_length_step_together_with_random_numbers_of_their_own():
-    async def course(name: str, steps: int) -> tuple[list[list[str]], list[float]]:
-        torch.manual_seed(steps)
-        who, drawn = [], []
-        for _ in range(steps):
-            drawn.append(float(torch.rand(())))
-            who.append(await Step(name))
-        return who, drawn
-
-    def alone(steps: int) -> list[float]:
-        torch.manual_seed(steps)
-        return [float(torch.rand(())) for _ in range(steps)]
-
-    (of_a, drawn_a), (of_b, drawn_b) = run_together([course("a", 1), course("b", 3)])
-    assert of_a == [["a", "b"]]
-    assert of_b == [["a", "b"], ["b"], ["b"]]
-    assert (drawn_a, drawn_b) == (alone(1), alone(3))
-
-
-def test_an_error_in_one_course_ends_all_in_order():
-    ended = list[str]()
-
-    async def course(name: str, fails: bool) -> None:
-        try:
-            await Step(name)
-            if fails:
-                raise ValueError(name)
-            await Step(name)
-        finally:
-            ended.append(name)
-
-    with pytest.raises(ValueError, match="b"):
-        run_together([course("a", False), course("b", True), course("c", False)])
-    assert sorted(ended) == ["a", "b", "c"]

@@ -158,7 +158,7 @@ def test_limbs_and_surroundings_are_those_of_the_spec(config):
 
 def test_a_program_that_was_not_built_is_one_clear_error(variants, monkeypatch, tmp_path):
     monkeypatch.setattr(packing, "FOLDER", tmp_path)
-    with pytest.raises(MimocError, match=r"mimoc/viewer/.* is missing; in a checkout, `make viewer` builds it"):
+    with pytest.raises(MimocError, match=r"mimoc/viewer/.* is missing; in a checkout, `.ci/task viewer` builds it"):
         page_of(variants.original)
 
 

@@ -8,13 +8,12 @@ import pytest
 from support.pages import places_of
 
 import mimoc
-from mimoc.base.geometry.face_steps import STEP_M
+from mimoc.base.geometry.meshes import STEP_M
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
-from mimoc.viewer.appearance import describe_face, describe_skins
+from mimoc.viewer.appearance import coloured_faces, describe_face, describe_skins, rows_of, skin_of
 from mimoc.viewer.encoding import FINE_M, EncodedArrays, steps_of
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.meshes import coloured_faces, rows_of, skin_of
 
 SKIN = """<deformable><skin name="sleeve" vertex="{vertex}" face="0 1 2 1 3 2 2 3 4">
 <bone body="left_upper_arm" bindpos="0.1 0.2 0.3" bindquat="0.8 0.6 0 0" vertid="0 1 2 3" vertweight="1 0.5 0.7 0.2"/>

@@ -170,5 +170,5 @@ def test_what_cannot_be_shown_or_written_is_refused_before_anything_is_built(spe
 
 def test_the_page_of_an_infant_needs_no_extra():
     """What reads recordings is imported for a recording only."""
-    program = "import sys; sys.modules['pyarrow'] = None; import mimoc.cli.view, mimoc.viewer.viewing"
+    program = "import sys; sys.modules['pyarrow'] = None; import mimoc.cli.pages, mimoc.viewer.viewing"
     subprocess.run([sys.executable, "-c", program], check=True)

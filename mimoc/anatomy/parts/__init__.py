@@ -1,14 +1,17 @@
 """The parts that bodies are assembled from: MIMo's, and others' by the entry points `mimoc.parts`."""
 
-from mimoc.anatomy.part import PartKind
-from mimoc.anatomy.parts import arm, feet, five_finger, head, leg, mitten, trunk
-from mimoc.base.kinds import Kinds
+from collections import Counter
+from collections.abc import Iterator
 
-PARTS: Kinds[PartKind] = Kinds("body part", {kind.name: kind for kind in (mitten.KIND, five_finger.KIND)})
-"""What a spec can choose or add."""
+from mimoc.anatomy.part import MATURING_GROUPS, BodyGeometry, PartKind, ReferencePart
+from mimoc.anatomy.parts import arm, hands, head, legs, trunk
+from mimoc.base.errors import KindError, suggestion
+from mimoc.base.kinds import Registry
 
-TRUNK, ARM, HEAD, EYES, LEG = trunk.KIND, arm.KIND, head.KIND, head.EYES, leg.KIND
-FLAT_FEET, TWO_TOED_FEET = (feet.FLAT, feet.FLAT), (feet.RIGHT_TWO_TOED, feet.LEFT_TWO_TOED)
+PARTS = Registry(PartKind, "body part", (hands.MITTEN, hands.FIVE_FINGER))  # What a spec can choose or add.
+
+TRUNK, ARM, HEAD, EYES, LEG = trunk.KIND, arm.KIND, head.KIND, head.EYES, legs.LEG
+FLAT_FEET, TWO_TOED_FEET = (legs.FLAT, legs.FLAT), (legs.RIGHT_TWO_TOED, legs.LEFT_TWO_TOED)
 
 
 def kinds_of_hands() -> tuple[str, ...]:
@@ -21,6 +24,67 @@ def extra_kinds() -> tuple[str, ...]:
     return tuple(name for name, kind in PARTS.items() if kind.replaces is None)
 
 
-def feet_of(hands: str) -> tuple[PartKind, PartKind]:
+def feet_of(kind: str) -> tuple[PartKind, PartKind]:
     """Return the right and the left foot of an infant with hands of some kind."""
-    return TWO_TOED_FEET if hands == five_finger.KIND.name else FLAT_FEET
+    return TWO_TOED_FEET if kind == hands.FIVE_FINGER.name else FLAT_FEET
+
+
+def check_parts(kind: PartKind) -> None:
+    """Raise a KindError unless the parts of a kind fit together, and onto MIMo's body: the first that is wrong."""
+    if problem := next(_problems(kind), None):
+        raise KindError(f"the body part '{kind.name}' does not fit: {problem}")
+
+
+def check_dimensions(kind: PartKind, dimensions: BodyGeometry) -> None:
+    """Raise a KindError unless the shape of a kind places all its parts, with a shape for each of their geoms."""
+    for part in kind.parts:
+        missing = [geom.name for geom in part.geoms if geom.name not in dimensions.shapes]
+        if part.name not in dimensions.origins or missing:
+            what = f"size and place of the geom '{missing[0]}'" if missing else f"the place of '{part.name}'"
+            raise KindError(f"the shape of the body part '{kind.name}' does not say {what}")
+
+
+def _problems(kind: PartKind) -> Iterator[str]:
+    if not kind.parts:
+        yield "it has no parts"
+    hands = [] if kind.replaces else [other for other in PARTS.values() if other.replaces == "hands"]
+    usual = (TRUNK, ARM, HEAD, EYES, LEG, *feet_of(kind.name)[:1], *hands)
+    parents = {part.name for other in usual for part in other.parts}
+    for part in kind.parts:
+        if part.parent not in parents:
+            yield f"'{part.name}' is on '{part.parent}'; {suggestion(str(part.parent), sorted(parents))}"
+        if "{side}" in str(part.parent) and "{side}" not in part.name:
+            yield f"'{part.name}' is on a part of both sides; write '{{side}}' into its name"
+        parents.add(part.name)
+        yield from _problems_of_part(part)
+    if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != ("{side}_hand", "{side}_lower_arm"):
+        yield "hands begin with '{side}_hand', which is on '{side}_lower_arm'"
+    others = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
+    taken = {name for other in (*usual, *others) for part in other.parts for name in _names(part)}
+    for name, count in Counter(name for part in kind.parts for name in _names(part)).items():
+        if name in taken or count > 1:
+            yield f"the name '{name[1]}' is taken; choose another one"
+
+
+def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
+    for item in (part, *part.geoms, *part.joints, *part.motors):
+        yield type(item), item.name
+
+
+def _problems_of_part(part: ReferencePart) -> Iterator[str]:
+    geoms, joints = [geom.name for geom in part.geoms], [joint.name for joint in part.joints]
+    if part.region != "limb":
+        yield f"'{part.name}' is of the {part.region}; only limbs can be added"
+    if not geoms:
+        yield f"'{part.name}' has no geom"
+    for item in (*part.geoms, *part.joints, *part.motors):
+        if ("{side}" in item.name) != ("{side}" in part.name):
+            yield f"'{part.name}' and '{item.name}' are on other sides; write '{{side}}' into both names, or neither"
+    for motor in part.motors:
+        if motor.joint not in joints:
+            yield f"the motor '{motor.name}' moves '{motor.joint}'; {suggestion(motor.joint, joints)}"
+        if motor.driven_geom not in geoms:
+            yield f"the motor '{motor.name}' follows '{motor.driven_geom}'; {suggestion(motor.driven_geom, geoms)}"
+    group = part.matures_with or part.group.removeprefix("{side}_")
+    if group and group not in MATURING_GROUPS:
+        yield f"the strength of '{part.name}' matures with '{group}'; {suggestion(group, MATURING_GROUPS)}"

@@ -1,14 +1,15 @@
 """Upper arm and forearm: parts, joints and motors at 18 months, and their shapes."""
 
-from mimoc.anatomy.dimensions import BodyGeometry, along
 from mimoc.anatomy.part import (
     REST_ABDUCTION_DEG,
     SHOULDERS,
+    BodyGeometry,
     PartKind,
     ReferenceGeom,
     ReferenceJoint,
     ReferenceMotor,
     ReferencePart,
+    along,
 )
 from mimoc.anatomy.parts.trunk import behind_chest
 from mimoc.anatomy.sections import SHOULDER_BACK

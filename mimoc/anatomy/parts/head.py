@@ -2,10 +2,11 @@
 
 import math
 
-from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
 from mimoc.anatomy.part import (
     AXIAL_RULE,
     TRUNK_HEIGHT,
+    BodyGeometry,
+    GeomShape,
     PartKind,
     ReferenceGeom,
     ReferenceJoint,
@@ -78,16 +79,14 @@ EYE = ReferencePart(
 HEIGHT = 1.15
 """Vertical half axis by the radius of a circle with the head's circumference (D): at 18 months, it is 17 cm from the
 vertex to the chin (M)."""
-CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M
-"""Of the head before the neck joint, in head radii (MIMo)."""
+CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M  # Of the head before the neck joint, in head radii (MIMo).
 EYE_PLACE: Vec3 = (0.8975, -0.4300, -0.0980)
 """Place of the right eye, for half axes of one (D): the eyes are 3.5 cm apart at birth and 4.7 cm at 18 months; MIMo's
 are 3.6 and 4.9 cm apart, on heads that are 16 % broader."""
 EYE_DEPTH = 0.107
 """Depth of the middle of an eyeball below the face, in head radii (D): a little less than MIMo's .114, as the face is
 turned further outwards here."""
-NECK_RADIUS = 0.028 / REFERENCE_HEAD_RADIUS_M
-"""In head radii (MIMo)."""
+NECK_RADIUS = 0.028 / REFERENCE_HEAD_RADIUS_M  # In head radii (MIMo).
 NECK_FROM, NECK_TO = -0.015, 0.030
 """Ends of the neck's axis above the origin of the head, in m at the reference body's spacing of trunk parts (D): its
 lower end is in the shoulders, also of tall children with small heads, and its upper end in the head."""

@@ -1,11 +1,12 @@
 """Pelvis, abdomen and chest: parts, joints, motors and couplings at 18 months, and their shapes."""
 
-from mimoc.anatomy.dimensions import BodyGeometry, GeomShape
 from mimoc.anatomy.part import (
     ALONG_Y,
     AXIAL_RULE,
     SHOULDERS,
     TRUNK_HEIGHT,
+    BodyGeometry,
+    GeomShape,
     PartKind,
     ReferenceGeom,
     ReferenceJoint,
@@ -167,8 +168,7 @@ TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
 
 FOLDING = ("hip", "upper_body")
 """Pelvis and upper body, as deep as they were measured, would stop a bending trunk, in which a real belly folds."""
-MIMOS_PAIRS = (("lb", "ub1"),)
-"""Their geoms that slide on each other by the published law (MIMo)."""
+MIMOS_PAIRS = (("lb", "ub1"),)  # Their geoms that slide on each other by the published law (MIMo).
 EXCLUDED = (
     ("left_eye", "upper_body"),
     ("right_eye", "upper_body"),

@@ -7,14 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from mimoc.base.geometry.leaning import UP, Figure, Frame, Leaning
+from mimoc.base.geometry.reach import UP, Figure, Frame, Leaning
 from mimoc.base.geometry.rotations import FloatArray
 
-LIMIT = 0.995
-"""Share of its length that an arm is stretched to at most."""
+LIMIT = 0.995  # Share of its length that an arm is stretched to at most.
 
-DOWNWARD = 0.8
-"""How much further down than out an elbow is bent; an assumption."""
+DOWNWARD = 0.8  # How much further down than out an elbow is bent; an assumption.
 LOW_M, HIGHER_M = 0.3, 0.2
 """Height of a shoulder above the floor at which the elbow is neither lower nor higher, and how much more it takes for
 all of that."""
@@ -26,8 +24,7 @@ class Links:
 
     upper_arm_m: float
     forearm_m: float
-    palm_m: float
-    """From the wrist to the middle of the palm."""
+    palm_m: float  # From the wrist to the middle of the palm.
 
     @property
     def reach_m(self) -> float:
@@ -89,48 +86,37 @@ def _some_across(axis: FloatArray) -> FloatArray:
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
-SIGNS: Mapping[Side, float] = {"left": 1.0, "right": -1.0}
-"""Along y of the trunk."""
+SIGNS: Mapping[Side, float] = {"left": 1.0, "right": -1.0}  # Along y of the trunk.
 
 STATURE_M = 1.63
 """Stature of the adult that these lengths are of: about the mean of women (ANSUR, Gordon et al. 1989; from memory)."""
-HEAD_M = (0.094, 0.073, 0.112)
-"""Half of the length, breadth and height of the head: 18.7, 14.6 and 22.4 cm (likewise)."""
-NECK_M = (0.03, 0.148)
-"""From the centre of the head to the base of the neck: backwards, and down; an assumption."""
-TRUNK_M, HIP_M = 0.50, 0.11
-"""From the base of the neck to the hips, and half of the trunk's depth; an assumption."""
+HEAD_M = (0.094, 0.073, 0.112)  # Half of the length, breadth and height of the head: 18.7, 14.6 and 22.4 cm (likewise).
+NECK_M = (0.03, 0.148)  # From the centre of the head to the base of the neck: backwards, and down; an assumption.
+TRUNK_M, HIP_M = 0.50, 0.11  # From the base of the neck to the hips, and half of the trunk's depth; an assumption.
 SHOULDER_M = (0.0, 0.165, -0.035)
 """The left shoulder from the base of the neck: forwards, to the left and up; a breadth of 36 cm over both upper arms
 (likewise)."""
-UPPER_ARM_M, FOREARM_M = 0.31, 0.243
-"""From shoulder to elbow, and from elbow to wrist (likewise)."""
-PALM_M = 0.075
-"""From the wrist to the middle of the palm; an assumption."""
-MOUTH_M = (0.095, 0.0, -0.055)
-"""The mouth from the centre of the head; an assumption."""
+UPPER_ARM_M, FOREARM_M = 0.31, 0.243  # From shoulder to elbow, and from elbow to wrist (likewise).
+PALM_M = 0.075  # From the wrist to the middle of the palm; an assumption.
+MOUTH_M = (0.095, 0.0, -0.055)  # The mouth from the centre of the head; an assumption.
 REST_M = (0.24, 0.13, 0.06)
 """Where palms rest: forwards and outwards from the shoulder, and the least height above the floor; an assumption."""
-HANGING_M = 0.40
-"""How far below the shoulder palms rest at most."""
+HANGING_M = 0.40  # How far below the shoulder palms rest at most.
 
 
 @dataclass(frozen=True, slots=True)
 class Palm:
     """Where the middle of a palm is, and where it looks."""
 
-    place_m: FloatArray
-    """Shape (3,)."""
-    normal: FloatArray
-    """Unit vector, shape (3,)."""
+    place_m: FloatArray  # Shape (3,).
+    normal: FloatArray  # Unit vector, shape (3,).
 
 
 @dataclass(frozen=True, slots=True)
 class Adult:
     """An adult of some size."""
 
-    scale: float
-    """Its stature, by that of these lengths."""
+    scale: float  # Its stature, by that of these lengths.
 
     @property
     def figure(self) -> Figure:

@@ -14,11 +14,9 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 Vec3 = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-"""w, x, y, z."""
+Quaternion = tuple[float, float, float, float]  # w, x, y, z.
 
-OPPOSITE = 1e-9
-"""1 plus the cosine of two directions, below which they leave the axis of the turn between them open."""
+OPPOSITE = 1e-9  # 1 plus the cosine of two directions, below which they leave the axis of the turn between them open.
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Roots and minima of functions of one number."""
+"""Functions of one number: roots, minima, and a step with rounded corners."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -7,8 +7,21 @@ import numpy as np
 
 from mimoc.base.geometry.rotations import FloatArray
 
-SHARES = np.linspace(0.0, 1.0, 41)
-"""Places between the ends of a bracket that are tried at once for a minimum."""
+
+def smoothstep(t: FloatArray) -> FloatArray:
+    """Return 0 where *t* is below 0, 1 where it is above 1, and t² (3 - 2 t) between.
+
+    Example:
+        >>> import numpy as np
+        >>> from mimoc.base.geometry.solvers import smoothstep
+        >>> smoothstep(np.array([-1.0, 0.25, 0.5, 2.0])).tolist()
+        [0.0, 0.15625, 0.5, 1.0]
+    """
+    t = np.clip(t, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+SHARES = np.linspace(0.0, 1.0, 41)  # Places between the ends of a bracket that are tried at once for a minimum.
 
 
 def root(

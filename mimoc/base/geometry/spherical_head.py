@@ -24,12 +24,10 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 SOUND_M_S = 343.0
-RADIUS_OF_ADULTS_M = 0.0875
-"""Radius of the sphere whose interaural times are those of adults (Woodworth 1938)."""
+RADIUS_OF_ADULTS_M = 0.0875  # Radius of the sphere whose interaural times are those of adults (Woodworth 1938).
 CIRCUMFERENCES = 0.964
 """Radius of the sphere in adults' circumferences / 2 π: 57 cm of adults. Derived; assumed of infants, too."""
-LEAST, AT = 0.1, math.radians(150.0)
-"""Smallest a, and the angle where it is (Brown & Duda)."""
+LEAST, AT = 0.1, math.radians(150.0)  # Smallest a, and the angle where it is (Brown & Duda).
 
 
 def head_radius_m(circumference_m: float) -> float:

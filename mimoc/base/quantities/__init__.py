@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from mimoc.base.kinds import Kinds
+from mimoc.base.kinds import Registry
 from mimoc.base.quantities import child, milestones, motion, movement, movement_details as details, outcome, reaching
 from mimoc.base.quantities.quantity import Quantity
 
@@ -18,7 +18,7 @@ _OWN = (
     *reaching.OF_MOVEMENT,
 )
 """In the order in which tables show them."""
-QUANTITIES = Kinds[Quantity]("quantity", {quantity.name: quantity for quantity in _OWN})
+QUANTITIES = Registry(Quantity, "quantity", _OWN)
 
 
 def measures() -> Mapping[str, Quantity]:

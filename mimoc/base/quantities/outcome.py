@@ -47,8 +47,7 @@ UNFINISHED_STEPS = _of_learning(
     "unfinished_steps", "Their length so far", "control steps", "not that of whole ones", curve="unfinished_steps"
 )
 
-LEARNING = (SUCCESS, TIME_TO_SUCCESS, RETURN, EPISODE_STEPS)
-"""What is drawn of a learning curve."""
+LEARNING = (SUCCESS, TIME_TO_SUCCESS, RETURN, EPISODE_STEPS)  # What is drawn of a learning curve.
 SO_FAR = {RETURN: UNFINISHED_RETURN, EPISODE_STEPS: UNFINISHED_STEPS}
 """What there is so far of episodes that have not ended, by what it will be."""
 CURVE = (TRAINED, EPISODES, *LEARNING, UNFINISHED, UNFINISHED_RETURN, UNFINISHED_STEPS)

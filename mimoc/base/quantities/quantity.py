@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from mimoc.base.kinds import Code
+from mimoc.base.kinds import Code, Component
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class Quantity(Component):
     """Something that is measured, or that an axis or a column shows: its only label and unit."""
 
     name: str

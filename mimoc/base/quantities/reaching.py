@@ -14,8 +14,7 @@ from mimoc.base.quantities.movement_details import VON_HOFSTEN
 from mimoc.base.quantities.quantity import Quantity
 
 Columns = Mapping[str, Any]
-UNITS = "mimoc.runtime.quantities.movement_units"
-"""The module that counts movement units, here and in films."""
+UNITS = "mimoc.runtime.quantities.movement_units"  # The module that counts movement units, here and in films.
 
 
 def _path_m(part: str, columns: Columns) -> float:

@@ -14,23 +14,26 @@ import mujoco
 from mimoc.base.errors import MimocError, Problem, SpecError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import mjcf_of
-from mimoc.compat.import_mimo.assets import AssetFiles, without_pictures
-from mimoc.compat.import_mimo.comparison import notes_on_infant
-from mimoc.compat.import_mimo.growth import recognise_age
-from mimoc.compat.import_mimo.infant import Infant, find_infant, locked_groups, read_actuation, read_body, read_senses
-from mimoc.compat.import_mimo.keyframes import moved_keyframes
-from mimoc.compat.import_mimo.limits import check_limits
-from mimoc.compat.import_mimo.reading import Element, read_scene
-from mimoc.compat.import_mimo.references import names_in_model
-from mimoc.compat.import_mimo.rest import MODEL, Rest, rest_of
-from mimoc.compat.import_mimo.surroundings import notes_on_surroundings, read_surroundings
+from mimoc.compat.import_mimo.assets import AssetFiles, names_in_model, without_pictures
+from mimoc.compat.import_mimo.comparison import notes_on_infant, recognise_age
+from mimoc.compat.import_mimo.infant import (
+    Infant,
+    find_infant,
+    locked_groups,
+    notes_on_surroundings,
+    read_actuation,
+    read_body,
+    read_senses,
+    read_surroundings,
+)
+from mimoc.compat.import_mimo.reading import Element, check_limits, read_scene
+from mimoc.compat.import_mimo.rest import MODEL, Rest, moved_keyframes, rest_of
 from mimoc.compat.settings import Imported, infant_name
 from mimoc.compiler.pipeline import build
 from mimoc.schema.infant import InfantSpec
 
 INFANT = "infant.xml"
-_LINE = re.compile(r",? line (\d+)")
-"""Where MuJoCo says that an error is: in the text of all that a scene includes."""
+_LINE = re.compile(r",? line (\d+)")  # Where MuJoCo says that an error is: in the text of all that a scene includes.
 HEADING = "<!-- The scene that `mimoc import mimo` read, with the infant of a bundle: build that first. -->\n"
 
 

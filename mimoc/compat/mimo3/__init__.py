@@ -19,7 +19,8 @@ from mimoc.compat.mimo3.actuation import (
     PositionalModel as PositionalModel,
     SpringDamperModel as SpringDamperModel,
 )
-from mimoc.compat.mimo3.defaults import (
+from mimoc.compat.mimo3.environment import MIMoEnv as MIMoEnv
+from mimoc.compat.mimo3.keywords import (
     BENCHMARK_XML as BENCHMARK_XML,
     BENCHMARK_XML_V2 as BENCHMARK_XML_V2,
     CATCH_XML as CATCH_XML,
@@ -34,8 +35,6 @@ from mimoc.compat.mimo3.defaults import (
     SELFBODY_XML as SELFBODY_XML,
     STANDUP_XML as STANDUP_XML,
 )
-from mimoc.compat.mimo3.environment import MIMoEnv as MIMoEnv
-from mimoc.compat.mimo3.registration import register_ids
 from mimoc.compat.mimo3.sensory import (
     SimpleProprioception as SimpleProprioception,
     SimpleVestibular as SimpleVestibular,
@@ -51,6 +50,7 @@ from mimoc.compat.mimo3.tasks import (
     MIMoSelfBodyEnv as MIMoSelfBodyEnv,
     MIMoStandupEnv as MIMoStandupEnv,
     MIMoV2DummyEnv as MIMoV2DummyEnv,
+    register_ids,
 )
 
 register_ids()

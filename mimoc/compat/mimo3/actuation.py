@@ -14,10 +14,8 @@ FloatArray = npt.NDArray[np.float64]
 class ActuationModel:
     """What actions mean; `env.actuation_model` is one that is bound to an environment."""
 
-    model = ""
-    """mimoc's name."""
-    order: npt.NDArray[np.intp]
-    """Places in mimoc's action of the numbers of MIMo3's, shape (n,)."""
+    model = ""  # mimoc's name.
+    order: npt.NDArray[np.intp]  # Places in mimoc's action of the numbers of MIMo3's, shape (n,).
     observed: npt.NDArray[np.intp]
     """Places of the numbers of MIMo3's actuation among those that mimoc's proprioception has of it."""
 

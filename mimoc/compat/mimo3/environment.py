@@ -11,8 +11,7 @@ from gymnasium.spaces import Box, Dict, Space
 
 from mimoc.base.errors import MimocError, check_name
 from mimoc.compat.mimo3.actuation import ActuationModel, model_named, model_of
-from mimoc.compat.mimo3.defaults import BENCHMARK_XML
-from mimoc.compat.mimo3.keywords import Keywords, spec_of
+from mimoc.compat.mimo3.keywords import BENCHMARK_XML, Keywords, spec_of
 from mimoc.compat.mimo3.sensory import SimpleProprioception, SimpleVestibular, SimpleVision, TrimeshTouch
 from mimoc.render.renderer import Renderer
 from mimoc.runtime.env import InfantEnv

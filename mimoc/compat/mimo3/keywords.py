@@ -7,20 +7,77 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import m_to_cm
-from mimoc.compat.mimo3.defaults import DEFAULT_PROPRIOCEPTION_PARAMS, REFERENCE_MONTHS, SCENES
 from mimoc.compiler.child import child_of
 from mimoc.compiler.loading import load_spec
 from mimoc.schema.infant import InfantSpec
+
+SCENE_DIRECTORY = "mimo3"  # Folder that MIMo3's scenes are in; here, scenes are known by the names of their files.
+REACH_XML = f"{SCENE_DIRECTORY}/reach_scene.xml"
+STANDUP_XML = f"{SCENE_DIRECTORY}/standup_scene.xml"
+SELFBODY_XML = f"{SCENE_DIRECTORY}/selfbody_scene.xml"
+CATCH_XML = f"{SCENE_DIRECTORY}/catch_scene.xml"
+ROLL_OVER_XML = f"{SCENE_DIRECTORY}/roll_over_scene.xml"
+BENCHMARK_XML = f"{SCENE_DIRECTORY}/benchmark_scene.xml"
+BENCHMARK_XML_V2 = f"{SCENE_DIRECTORY}/benchmarkv2_scene.xml"
+
+REFERENCE_MONTHS = 18.0  # Age of MIMo's reference body, which `age=None` asks for.
+FIVE_FINGERS: Mapping[str, Any] = {"hands": "five_finger"}
+UPRIGHT: Mapping[str, Any] = {"pose": "standing"}
+SCENES: Mapping[str, Mapping[str, Any]] = {
+    "reach_scene.xml": {"task": {"kind": "reach"}},
+    "standup_scene.xml": {"task": {"kind": "standup"}},
+    "selfbody_scene.xml": {"task": {"kind": "selfbody"}},
+    "catch_scene.xml": {"task": {"kind": "catch"}, "body": FIVE_FINGERS},
+    "roll_over_scene.xml": {"task": {"kind": "rollover"}},
+    "benchmark_scene.xml": {"scene": UPRIGHT},
+    "benchmarkv2_scene.xml": {"scene": UPRIGHT, "body": FIVE_FINGERS},
+}
+"""What a spec says of each scene, by the name of its file."""
+
+
+def _spacings_m(hands: str) -> dict[str, float]:
+    """Return the distance of skin points of each body, which mimoc has from MIMo; an eye has a single one."""
+    parts = assemble(hands, True, "published").parts
+    return {part.name.format(side=side): part.skin_spacing_m or 1.0 for side, part in parts}
+
+
+FORCES = {"touch_function": "force_vector", "response_function": "spread_linear"}
+DEFAULT_TOUCH_PARAMS = {"scales": _spacings_m("mitten"), **FORCES}
+DEFAULT_TOUCH_PARAMS_V2 = {"scales": _spacings_m("five_finger"), **FORCES}
+EYE = {"width": 256, "height": 256, "fovy": 60, "acuity": False, "foveation": False}
+DEFAULT_VISION_PARAMS = {"eye_left": {**EYE}, "eye_right": {**EYE}}
+DEFAULT_VESTIBULAR_PARAMS = {"sensors": ["vestibular_acc", "vestibular_gyro"]}
+DEFAULT_PROPRIOCEPTION_PARAMS = {"components": ["velocity", "torque", "limits", "actuation"], "threshold": 0.035}
+
+_LIMBS = ("foot", "lower_leg", "upper_leg")
+SELFBODY_TOUCH_PARAMS = {
+    "scales": {
+        **{f"{side}_{limb}": 0.05 if limb == "foot" else 0.1 for limb in _LIMBS for side in ("left", "right")},
+        **dict.fromkeys(("hip", "lower_body", "upper_body", "head"), 0.1),
+        **dict.fromkeys(("left_upper_arm", "left_lower_arm", "right_fingers"), 0.01),
+    },
+    **FORCES,
+}
+_ARM = ("upper_arm", "lower_arm", "hand", "ff", "mf", "rf", "lf", "th")
+CATCH_TOUCH_PARAMS = {
+    "scales": {
+        body: spacing_m
+        for body, spacing_m in _spacings_m("five_finger").items()
+        if body.startswith(tuple(f"right_{name}" for name in _ARM))
+    },
+    **FORCES,
+}
+
 
 EYES = ("eye_left", "eye_right")
 VESTIBULAR = {"vestibular_acc": "accelerometer", "vestibular_gyro": "gyro"}
 TOUCH_FUNCTIONS = {"force_vector": "force_vector", "force_vector_global": "force_vector_global", "normal": "normal"}
 TOUCH_FUNCTIONS |= {"normal_force": "normal"}
 RESPONSES = {"spread_linear": "linear", "nearest": "nearest"}
-FOVEATION = 10.0
-"""Strength of `foveation=True` (MIMo)."""
+FOVEATION = 10.0  # Strength of `foveation=True` (MIMo).
 
 
 @dataclass(frozen=True)
@@ -37,8 +94,7 @@ class Keywords:
     touch_params: Mapping[str, Any] | None = None
     vision_params: Mapping[str, Any] | None = None
     vestibular_params: Mapping[str, Any] | None = None
-    actuation: str | None = None
-    """mimoc's name of the actuation model; None is that of the spec."""
+    actuation: str | None = None  # mimoc's name of the actuation model; None is that of the spec.
 
 
 def spec_of(keywords: Keywords) -> InfantSpec:
@@ -163,8 +219,7 @@ LIMBS = {
 """The capsules of limbs, by MIMo3's names, and the parts that they belong to."""
 SIZES = ("girth", "length")
 """What each size of a capsule depends on: its radius, then half of its length without the caps."""
-STEP = 0.05
-"""By how much a factor is changed to see what a size makes of it."""
+STEP = 0.05  # By how much a factor is changed to see what a size makes of it.
 
 
 def factors_of_geoms(spec: InfantSpec, sizes: Mapping[Any, float]) -> dict[str, dict[str, float]]:

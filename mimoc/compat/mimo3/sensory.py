@@ -8,13 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import MimocError
-from mimoc.compat.mimo3.defaults import DEFAULT_VESTIBULAR_PARAMS
+from mimoc.compat.mimo3.keywords import DEFAULT_VESTIBULAR_PARAMS
 from mimoc.components.senses.touch import POINTS
 from mimoc.render.picture_files import write_picture
 
 Array = npt.NDArray[Any]
-VESTIBULAR = DEFAULT_VESTIBULAR_PARAMS["sensors"]
-"""Order of mimoc's observation."""
+VESTIBULAR = DEFAULT_VESTIBULAR_PARAMS["sensors"]  # Order of mimoc's observation.
 COMPONENTS = {"actuation": "actuation", "limits": "limits", "qpos": "angle", "qvel": "velocity", "torques": "torque"}
 """Components of proprioception in the order of MIMo3's observation, and mimoc's names for them."""
 

@@ -4,31 +4,86 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
+from gymnasium.envs.registration import register, registry
 
 from mimoc.base.errors import MimocError
-from mimoc.compat.mimo3 import defaults
 from mimoc.compat.mimo3.environment import MIMoEnv
+from mimoc.compat.mimo3.keywords import (
+    BENCHMARK_XML,
+    BENCHMARK_XML_V2,
+    CATCH_TOUCH_PARAMS,
+    CATCH_XML,
+    DEFAULT_PROPRIOCEPTION_PARAMS,
+    DEFAULT_TOUCH_PARAMS,
+    DEFAULT_TOUCH_PARAMS_V2,
+    DEFAULT_VESTIBULAR_PARAMS,
+    DEFAULT_VISION_PARAMS,
+    REACH_XML,
+    ROLL_OVER_XML,
+    SELFBODY_TOUCH_PARAMS,
+    SELFBODY_XML,
+    STANDUP_XML,
+)
 
-PROPRIO = {"proprio_params": defaults.DEFAULT_PROPRIOCEPTION_PARAMS}
-BALANCE = {**PROPRIO, "vestibular_params": defaults.DEFAULT_VESTIBULAR_PARAMS}
+ENVIRONMENTS = {
+    "MIMoReach-v0": ("MIMoReachEnv", 1000),
+    "MIMoStandup-v0": ("MIMoStandupEnv", 500),
+    "MIMoSelfBody-v0": ("MIMoSelfBodyEnv", 500),
+    "MIMoCatch-v0": ("MIMoCatchEnv", 800),
+    "MIMoRollOver-v0": ("MIMoRollOverEnv", 500),
+    "MIMoBench-v0": ("MIMoDummyEnv", 6000),
+    "MIMoBenchV2-v0": ("MIMoV2DummyEnv", 6000),
+    "MIMoMuscle-v0": ("MIMoMuscleDummyEnv", 6000),
+}
+"""The class of each id, and the control steps after which its episodes are truncated."""
+ELSEWHERE = {
+    "MIMoShowroom-v0": "a spec with 'scene: {kind: room, toys: {}}' as model_path of MIMoBenchV2-v0",
+    **dict.fromkeys(
+        (
+            *("MIMoMuscleStaticTest-v0", "MIMoMuscleStaticTestV2-v0", "MIMoVelocityMuscleTest-v0"),
+            *("MIMoVelocityMuscleTestV2-v0", "MIMoComplianceTest-v0", "MIMoComplianceMuscleTest-v0"),
+        ),
+        "`mimoc experiment strength` and `mimoc.torque_limits`, which measure motors and muscles",
+    ),
+}
+"""Ids without a counterpart, and what to use instead."""
+
+
+def register_ids() -> None:
+    """Let MIMo3's ids be mimoc's from now on; those without a counterpart stay MIMo3's, if it has registered them."""
+    for name, (environment, steps) in ENVIRONMENTS.items():
+        registry.pop(name, None)
+        register(name, f"mimoc.compat.mimo3:{environment}", max_episode_steps=steps)
+    for name in ELSEWHERE:
+        if name not in registry:
+            register(name, "mimoc.compat.mimo3.tasks:refuse", kwargs={"name": name})
+
+
+def refuse(name: str, **keywords: Any) -> None:
+    """Say what to use instead of an environment."""
+    raise MimocError(f"{name} has no counterpart in mimoc; use {ELSEWHERE[name]}")
+
+
+PROPRIO = {"proprio_params": DEFAULT_PROPRIOCEPTION_PARAMS}
+BALANCE = {**PROPRIO, "vestibular_params": DEFAULT_VESTIBULAR_PARAMS}
 REACH = {**PROPRIO, "goals_in_observation": False, "done_active": True}
 MOVEMENT = {**BALANCE, "goals_in_observation": False}
-SELFBODY = {**PROPRIO, "frame_skip": 1, "touch_params": defaults.SELFBODY_TOUCH_PARAMS, "done_active": True}
-CATCH = {**REACH, "touch_params": defaults.CATCH_TOUCH_PARAMS, "actuation_model": "MuscleModel"}
+SELFBODY = {**PROPRIO, "frame_skip": 1, "touch_params": SELFBODY_TOUCH_PARAMS, "done_active": True}
+CATCH = {**REACH, "touch_params": CATCH_TOUCH_PARAMS, "actuation_model": "MuscleModel"}
 DUMMY = {
     **REACH,
     **BALANCE,
-    "touch_params": defaults.DEFAULT_TOUCH_PARAMS,
-    "vision_params": defaults.DEFAULT_VISION_PARAMS,
+    "touch_params": DEFAULT_TOUCH_PARAMS,
+    "vision_params": DEFAULT_VISION_PARAMS,
 }
-DUMMY_V2 = {**DUMMY, "touch_params": defaults.DEFAULT_TOUCH_PARAMS_V2}
+DUMMY_V2 = {**DUMMY, "touch_params": DEFAULT_TOUCH_PARAMS_V2}
 MUSCLE = {**DUMMY_V2, "actuation_model": "MuscleModel"}
 
 
 class _Scene(MIMoEnv):
     """An environment with a scene and keywords of its own."""
 
-    scene: ClassVar[str] = defaults.BENCHMARK_XML
+    scene: ClassVar[str] = BENCHMARK_XML
     keywords: ClassVar[Mapping[str, Any]] = {}
     """Keywords that differ from those of `MIMoEnv` by default."""
 
@@ -43,7 +98,7 @@ class _Scene(MIMoEnv):
 class MIMoReachEnv(_Scene):
     """mimoc's `reach`: touch a ball that hangs within reach."""
 
-    scene = defaults.REACH_XML
+    scene = REACH_XML
     keywords = REACH
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -57,7 +112,7 @@ class MIMoReachEnv(_Scene):
 class MIMoStandupEnv(_Scene):
     """mimoc's `standup`: get the head up high while holding on to a rail."""
 
-    scene = defaults.STANDUP_XML
+    scene = STANDUP_XML
     keywords = MOVEMENT
 
     def sample_goal(self) -> float:
@@ -72,7 +127,7 @@ class MIMoStandupEnv(_Scene):
 class MIMoRollOverEnv(_Scene):
     """mimoc's `rollover`, from the back."""
 
-    scene = defaults.ROLL_OVER_XML
+    scene = ROLL_OVER_XML
     keywords = MOVEMENT
 
     def sample_goal(self) -> float:
@@ -87,7 +142,7 @@ class MIMoRollOverEnv(_Scene):
 class MIMoSelfBodyEnv(_Scene):
     """mimoc's `selfbody`: touch the part of the body that the desired goal names."""
 
-    scene = defaults.SELFBODY_XML
+    scene = SELFBODY_XML
     keywords = SELFBODY
 
     def sample_goal(self) -> Any:
@@ -103,7 +158,7 @@ class MIMoSelfBodyEnv(_Scene):
 class MIMoCatchEnv(_Scene):
     """mimoc's `catch`: hold a ball that falls on the open hand; its radius is observed, too."""
 
-    scene = defaults.CATCH_XML
+    scene = CATCH_XML
     keywords = CATCH
 
     def __init__(
@@ -160,7 +215,7 @@ class MIMoDummyEnv(_Scene):
 class MIMoV2DummyEnv(MIMoDummyEnv):
     """All senses of an infant with five fingers, and no task."""
 
-    scene = defaults.BENCHMARK_XML_V2
+    scene = BENCHMARK_XML_V2
     keywords = DUMMY_V2
 
 

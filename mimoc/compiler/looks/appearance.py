@@ -4,18 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from mimoc.compiler.looks.colours import Colour, coloured_picture, inks_of
+from mimoc.anatomy.part import GeomType
+from mimoc.compiler.looks.pictures import Colour, coloured_picture, inks_of
 from mimoc.compiler.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
-from mimoc.schema.expressions import EXPRESSIONS
-from mimoc.schema.looks import Clothes, LooksSpec
+from mimoc.schema.body import EXPRESSIONS, Clothes, LooksSpec
 
-AVERAGE = LooksSpec()
-"""What an infant looks like of which nothing is said."""
+AVERAGE = LooksSpec()  # What an infant looks like of which nothing is said.
 
 GRID_LAYOUT = "RLUDFB"
 """The sides of a cube texture in its picture, two rows of three, by MuJoCo's letters (`templates/infant.xml.j2`)."""
-HEAD_CUBE = "head_solid"
-"""Texture of the head's solid under a skin."""
+HEAD_CUBE = "head_solid"  # Texture of the head's solid under a skin.
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,14 +21,10 @@ class HeadFeature:
     """A visual geom of the head, without mass or contacts. Sizes are in head radii."""
 
     name: str
-    type: str
-    """`sphere` or `ellipsoid`."""
-    size: tuple[float, ...]
-    """Radius, or the three half-axes."""
-    pos: tuple[float, float, float]
-    """Centre, from the centre of the head in its half axes; x forward, y left, z up."""
-    euler_deg: tuple[float, float, float]
-    """Successive rotations about x, y and z, in [deg]."""
+    type: GeomType  # `sphere` or `ellipsoid`.
+    size: tuple[float, ...]  # Radius, or the three half-axes.
+    pos: tuple[float, float, float]  # Centre, from the centre of the head in its half axes; x forward, y left, z up.
+    euler_deg: tuple[float, float, float]  # Successive rotations about x, y and z, in [deg].
     material: str
 
 
@@ -122,7 +116,6 @@ def face_material(expression: str) -> str:
 
 
 def _body_materials(expression: str, inks: Mapping[str, Colour]) -> tuple[Material, ...]:
-    """Return the materials of the geoms of bare skin and of the head's features."""
     return (
         Material("skin", _rgba(inks["skin"])),
         Material("head", UNTINTED, face_texture(expression)),
@@ -138,7 +131,6 @@ WITH_LEGS: tuple[Clothes, ...] = ("trousers", "shirt_and_trousers")
 
 
 def _cloth_materials(clothes: Clothes, inks: Mapping[str, Colour]) -> tuple[Material, ...]:
-    """Return the materials of the geoms that can be clothed: cloth, or skin where the clothes leave them bare."""
     has_shirt, skin = clothes in WITH_SHIRT, _rgba(inks["skin"])
     seat = _rgba(inks["shirt" if clothes == "bodysuit" else "trousers"])
     trunk = (UNTINTED, "stripes") if has_shirt else (skin, None)
@@ -151,6 +143,5 @@ def _cloth_materials(clothes: Clothes, inks: Mapping[str, Colour]) -> tuple[Mate
 
 
 def _rgba(colour: Colour) -> Rgba:
-    """Return an opaque colour, with components of 0 to 255, as MuJoCo's RGBA of 0 to 1."""
     red, green, blue = colour
     return (round(red / 255, 4), round(green / 255, 4), round(blue / 255, 4), 1.0)

@@ -1,46 +1,10 @@
-"""The elements of an infant in MJCF: SI units, angles in radians, every value decided."""
+"""What an infant's MJCF has besides the joints, geoms and tendons of its body, in SI units."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mimoc.base.geometry.rotations import Vec3
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedJoint:
-    """A hinge."""
-
-    name: str
-    axis: Vec3
-    pos_m: Vec3
-    range_rad: tuple[float, float]
-    stiffness_nm_per_rad: float
-    damping_nms_per_rad: float
-    frictionloss_nm: float
-    armature_kgm2: float
-    springref_rad: float
-    settings: tuple[tuple[str, float], ...] = ()
-    """Its other attributes."""
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedGeom:
-    """A solid of the infant."""
-
-    name: str
-    type: str
-    size_m: tuple[float, ...]
-    pos_m: Vec3
-    euler_rad: Vec3
-    mass_kg: float
-    material: str
-    friction: Vec3
-    contype: int
-    conaffinity: int
-    condim: int
-    group: int
-    """0 for the body, 1 for geoms that are only seen."""
-    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+from mimoc.body.tree import Attributes, Geom, Joint
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +14,7 @@ class Site:
     name: str
     pos_m: Vec3
     radius_m: float
-    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    settings: Attributes = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +35,10 @@ class Node:
 
     name: str
     pos_m: Vec3
-    euler_rad: Vec3
+    euler_deg: Vec3
     free_joints: tuple[str, ...] = ()
-    joints: tuple[PrintedJoint, ...] = ()
-    geoms: tuple[PrintedGeom, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    geoms: tuple[Geom, ...] = ()
     sites: tuple[Site, ...] = ()
     cameras: tuple[Camera, ...] = ()
     children: tuple["Node", ...] = ()
@@ -91,12 +55,11 @@ class Actuator:
     """An actuator of a joint."""
 
     name: str
-    mimo_actuator: str
-    """The actuator of MIMo that it corresponds to, alone or with others."""
+    mimo_actuator: str  # The actuator of MIMo that it corresponds to, alone or with others.
     joint: str
     gear: float
     control_range: tuple[float, float]
-    settings: tuple[tuple[str, tuple[float, ...]], ...]
+    settings: Attributes
     tone: tuple[float, ...] = ()
     """What a quiet infant's muscle tone adds, in proportion to arousal: to the three numbers of `biasprm`, or, as two
     numbers, to the stiffness of its hinge and to stiffness x rest angle. Empty is no tone."""
@@ -108,18 +71,8 @@ class PassiveActuator:
 
     name: str
     joint: str
-    bias: tuple[float, ...]
-    """Torque at angle and speed 0, and by angle and speed."""
+    bias: tuple[float, ...]  # Torque at angle and speed 0, and by angle and speed.
     force_range: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedTendon:
-    """A fixed tendon."""
-
-    name: str
-    range_rad: tuple[float, float]
-    coefficients: tuple[tuple[str, float], ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,9 @@ from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import stature
 from mimoc.body.tree import BodyTree
 
-Rgba = tuple[float, float, float, float]
-"""Red, green, blue and opacity, 0 to 1."""
+Rgba = tuple[float, float, float, float]  # Red, green, blue and opacity, 0 to 1.
 
-UNTINTED: Rgba = (1.0, 1.0, 1.0, 1.0)
-"""MuJoCo multiplies a texture by its material's colour."""
+UNTINTED: Rgba = (1.0, 1.0, 1.0, 1.0)  # MuJoCo multiplies a texture by its material's colour.
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,10 +21,8 @@ class WorldTexture:
     """
 
     name: str
-    file: str
-    """Path inside the bundle."""
-    content: bytes
-    """The PNG; its top is up on a wall."""
+    file: str  # Path inside the bundle.
+    content: bytes  # The PNG; its top is up on a wall.
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +49,7 @@ class Texture:
     """
 
     name: str
-    file: str
-    """Path inside the bundle, a key of `Appearance.assets`."""
+    file: str  # Path inside the bundle, a key of `Appearance.assets`.
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,15 +57,11 @@ class Material:
     """One `<material>`; every attribute is written out, so that no MuJoCo default matters."""
 
     name: str
-    rgba: Rgba
-    """Colour, or what the texture is multiplied by."""
+    rgba: Rgba  # Colour, or what the texture is multiplied by.
     texture: str | None = None
-    specular: float = 0.1
-    """Strength of highlights, 0 to 1; skin and cloth are dull."""
-    shininess: float = 0.2
-    """Narrowness of highlights, 0 to 1."""
-    reflectance: float = 0.0
-    """0: nothing on an infant mirrors the room."""
+    specular: float = 0.1  # Strength of highlights, 0 to 1; skin and cloth are dull.
+    shininess: float = 0.2  # Narrowness of highlights, 0 to 1.
+    reflectance: float = 0.0  # 0: nothing on an infant mirrors the room.
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +69,7 @@ class PrintedSkin:
     """One `<skin>`: a mesh that several bodies move, seen but not felt."""
 
     name: str
-    file: str
-    """Path inside the bundle, a key of `Appearance.assets`."""
+    file: str  # Path inside the bundle, a key of `Appearance.assets`.
     material: str
 
 
@@ -87,15 +77,11 @@ class PrintedSkin:
 class Appearance:
     """The textures and materials of an infant."""
 
-    textures: tuple[Texture, ...]
-    """The cubes, in the order they are written."""
+    textures: tuple[Texture, ...]  # The cubes, in the order they are written.
     materials: tuple[Material, ...]
-    assets: Mapping[str, bytes]
-    """Path inside the bundle to the bytes of a PNG."""
-    flat_textures: tuple[Texture, ...] = ()
-    """Those of skins, in the order they are written."""
-    skins: tuple[PrintedSkin, ...] = ()
-    """In the order they are written, and drawn."""
+    assets: Mapping[str, bytes]  # Path inside the bundle to the bytes of a PNG.
+    flat_textures: tuple[Texture, ...] = ()  # Those of skins, in the order they are written.
+    skins: tuple[PrintedSkin, ...] = ()  # In the order they are written, and drawn.
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,10 +104,8 @@ class SpotLight:
     direction: Vec3
     diffuse: Vec3
     specular: Vec3
-    attenuation: Vec3
-    """Constant, linear and quadratic."""
-    cutoff_deg: float
-    """In degrees even where the compiler's angles are radians."""
+    attenuation: Vec3  # Constant, linear and quadratic.
+    cutoff_deg: float  # In degrees even where the compiler's angles are radians.
     exponent: float
     castshadow: bool
 
@@ -130,18 +114,15 @@ class SpotLight:
 class Headlight:
     """MuJoCo's light at the camera, under `<visual>`."""
 
-    ambient: Vec3
-    """From all directions."""
-    diffuse: Vec3
-    """From the camera: little, or walls get brighter when a head turns to them."""
+    ambient: Vec3  # From all directions.
+    diffuse: Vec3  # From the camera: little, or walls get brighter when a head turns to them.
 
 
 OUTDOORS = Headlight((0.43, 0.43, 0.43), (0.24, 0.24, 0.24))
 """Beside the sun; all three together just do not overexpose skin."""
 
 
-UNTOUCHED = 0
-"""Contact bits of geoms that are only seen."""
+UNTOUCHED = 0  # Contact bits of geoms that are only seen.
 SOLID = 1
 DOMINANT_SOLMIX = 100.0
 """`solmix` of a geom whose softness decides that of its contacts with an infant; two of them share."""
@@ -205,15 +186,13 @@ class Furniture:
         return tuple(material for material in self.materials if not material.texture)
 
 
-BARE = Furniture()
-"""No furniture."""
+BARE = Furniture()  # No furniture.
 
 
 RAIL_IN_CHILDREN = 0.43 / 0.82
 """Height of a rail's middle above the ground, for one length of the child: at 18 months, 0.82 m long, MIMo
 holds it at 0.42 to 0.45 m."""
-RAIL_RADIUS_M = 0.01
-"""A hand closes around it: its girth is 6 cm, a newborn's hand is 6 cm long."""
+RAIL_RADIUS_M = 0.01  # A hand closes around it: its girth is 6 cm, a newborn's hand is 6 cm long.
 
 
 def rail_height(tree: BodyTree) -> float:

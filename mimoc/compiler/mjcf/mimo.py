@@ -65,11 +65,9 @@ def _head_first(tree: BodyTree) -> BodyTree:
 
 
 PREFIX = "eef:"
-RADIUS_M = 0.01
-"""Only for looking at."""
+RADIUS_M = 0.01  # Only for looking at.
 FORWARD = (1.0, 0.0, 0.0)
-BETWEEN_THE_EYES = 5 / 7
-"""How far forward the head's point is, by the eyes' place (Lucignolo)."""
+BETWEEN_THE_EYES = 5 / 7  # How far forward the head's point is, by the eyes' place (Lucignolo).
 
 
 def with_effectors(node: Node) -> Node:
@@ -129,8 +127,7 @@ def _halves(range_rad: Range) -> Range:
 Settings = tuple[tuple[str, str], ...]
 Numbers = tuple[tuple[str, tuple[float, ...]], ...]
 
-OF_ACTIVATIONS = ("actlimited", "dynprm")
-"""Attributes that only mean something for actuators with an activation."""
+OF_ACTIVATIONS = ("actlimited", "dynprm")  # Attributes that only mean something for actuators with an activation.
 
 
 def at_once(defaults: Settings) -> Settings:
@@ -148,11 +145,9 @@ def without_activation(settings: Numbers) -> Numbers:
     return tuple(pair for pair in settings if pair[0] not in OF_ACTIVATIONS)
 
 
-GEOM = "geom:"
-"""MIMo 3's prefix of geoms that are numbered after their body."""
+GEOM = "geom:"  # MIMo 3's prefix of geoms that are numbered after their body.
 CHEST_SENSOR, TRUNK_SENSOR = "proprio:chest", "proprio:trunk_upper"
-Entries = Mapping[str, dict[str, Any]]
-"""Provenance of numbers, by key."""
+Entries = Mapping[str, dict[str, Any]]  # Provenance of numbers, by key.
 
 
 def name_geom(body: str, geom: str) -> str:
@@ -190,8 +185,7 @@ def chest_before_trunk(sensors: Sequence[Sensor]) -> tuple[Sensor, ...]:
     return (*others[:place], *chest, *others[place:])
 
 
-LOCATION = "mimo_location"
-"""The body that the infant is in; its free joint has the same name."""
+LOCATION = "mimo_location"  # The body that the infant is in; its free joint has the same name.
 _AT_IT = (("mode", "targetbody"), ("target", LOCATION))
 _QUARTER = math.pi / 2
 _NARROW_DEG, _WIDE_DEG = 20.0, 45.0
@@ -228,8 +222,9 @@ def located(infant: SceneTree, model: str) -> SceneTree:
     if model != "position":
         return within
     nodes = (node for root in infant.roots for node in root.subtree())
-    of_joint = {joint.name: joint.range_rad for node in nodes for joint in node.joints}
-    ranges_rad = [of_joint[servo.joint] for servo in infant.actuators]
+    of_joint = {joint.name: joint.range_deg for node in nodes for joint in node.joints}
+    ranges_deg = (of_joint[servo.joint] for servo in infant.actuators)
+    ranges_rad = [(math.radians(low), math.radians(high)) for low, high in ranges_deg]
     return replace(
         within,
         actuators=tuple(map(by_angle, infant.actuators, ranges_rad)),
@@ -256,13 +251,12 @@ def _after_marks(settings: Numbers, marks: Sequence[Mark]) -> Numbers:
 
 
 def _located(root: Node) -> Node:
-    """Return a body without a size, which moves freely, with the infant fixed to it."""
     return Node(
         name=LOCATION,
         pos_m=root.pos_m,
-        euler_rad=root.euler_rad,
+        euler_deg=root.euler_deg,
         free_joints=root.free_joints,
-        children=(replace(root, pos_m=(0.0, 0.0, 0.0), euler_rad=(0.0, 0.0, 0.0), free_joints=()),),
+        children=(replace(root, pos_m=(0.0, 0.0, 0.0), euler_deg=(0.0, 0.0, 0.0), free_joints=()),),
     )
 
 
@@ -270,20 +264,16 @@ def _located(root: Node) -> Node:
 class CompatibilityTarget:
     """What has to be different in a model that some other software is to read."""
 
-    body: Callable[[BodyTree], BodyTree] = lambda tree: tree
-    """Changes the body: its parts and their order."""
+    body: Callable[[BodyTree], BodyTree] = lambda tree: tree  # Changes the body: its parts and their order.
     infant: Callable[[SceneTree, str], SceneTree] = lambda infant, model: infant
     """Changes the infant, before it is placed in a world; the other argument is its actuation model."""
-    world: Callable[[SceneTree], SceneTree] = lambda scene: scene
-    """Changes the scene it is placed in."""
+    world: Callable[[SceneTree], SceneTree] = lambda scene: scene  # Changes the scene it is placed in.
     origins: Callable[[BodyTree, Entries], Entries] = lambda tree, entries: entries
     """Changes the provenance of the infant's numbers, by key."""
-    chest_joint: bool = False
-    """Whether infants have the joints of the chest, if their spec does not say."""
+    chest_joint: bool = False  # Whether infants have the joints of the chest, if their spec does not say.
 
 
-UNCHANGED = CompatibilityTarget()
-"""For mimoc alone."""
+UNCHANGED = CompatibilityTarget()  # For mimoc alone.
 TARGETS: Mapping[str, CompatibilityTarget] = MappingProxyType(
     {
         "mimo": CompatibilityTarget(as_mimos, fit_infant, fit_world),

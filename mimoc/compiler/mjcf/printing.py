@@ -1,5 +1,6 @@
 """From a scene to MJCF text, by templates."""
 
+import math
 import pickle
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -70,8 +71,7 @@ def _with_included(including: etree._Element, included: etree._Element) -> etree
     return included
 
 
-COMMON = ("compiler", "option", "size")
-"""Sections that are the same of all infants in one world."""
+COMMON = ("compiler", "option", "size")  # Sections that are the same of all infants in one world.
 
 
 def render_infants(
@@ -106,7 +106,6 @@ def render_text(template: str, **values: Any) -> bytes:
 
 
 def _parsed(xml: bytes) -> etree._Element:
-    """Return the elements of XML, without the blanks between them."""
     return etree.fromstring(xml, etree.XMLParser(remove_blank_text=True))
 
 
@@ -118,7 +117,7 @@ def _indented(root: etree._Element) -> bytes:
 
 @cache
 def environment() -> Environment:
-    """Return the environment of the templates: strict, escaped for XML, with one filter."""
+    """Return the environment of the templates: strict, escaped for XML, with two filters."""
     result = Environment(
         loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
@@ -128,7 +127,7 @@ def environment() -> Environment:
         keep_trailing_newline=True,
         bytecode_cache=CompiledTemplates(str(platformdirs.user_cache_path("mimoc") / f"jinja2-{version('jinja2')}")),
     )
-    result.filters["num"] = num
+    result.filters |= {"num": num, "rad": rad}
     return result
 
 
@@ -142,6 +141,11 @@ def num(value: float | bool | Iterable[float]) -> str:
     if isinstance(value, (int, float)):
         return f"{0.0 if -LEAST_NORMAL < value < LEAST_NORMAL else value:.{SIGNIFICANT_DIGITS}g}"  # Also of -0.0.
     return " ".join(num(item) for item in value)
+
+
+def rad(value_deg: float | Iterable[float]) -> str:
+    """Return an angle, or several, given in degrees, as MJCF wants them in radians."""
+    return num(math.radians(value_deg) if isinstance(value_deg, (int, float)) else map(math.radians, value_deg))
 
 
 class CompiledTemplates(FileSystemBytecodeCache):
@@ -165,12 +169,9 @@ class CompiledTemplates(FileSystemBytecodeCache):
 
 
 Part = TypeVar("Part")
-NAMES = frozenset(("name", "joint", "body", "site", "material", "texture"))
-"""Fields that hold a name, or None."""
-LISTS_OF_NAMES = frozenset(("free_joints", "excluded", "frictionless"))
-"""Fields that hold names, or tuples of names."""
-SHARED = frozenset(("world", "solver"))
-"""Fields of a scene with nothing of an infant's own."""
+NAMES = frozenset(("name", "joint", "body", "site", "material", "texture"))  # Fields that hold a name, or None.
+LISTS_OF_NAMES = frozenset(("free_joints", "excluded", "frictionless"))  # Fields that hold names, or tuples of names.
+SHARED = frozenset(("world", "solver"))  # Fields of a scene with nothing of an infant's own.
 
 
 def prefixed_scene(scene: SceneTree, prefix: str) -> SceneTree:

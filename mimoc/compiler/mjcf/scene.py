@@ -7,7 +7,8 @@ from typing import Any
 import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
-from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, PassiveActuator, PrintedTendon, Sensor, Site
+from mimoc.body.tree import Tendon
+from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, PassiveActuator, Sensor, Site
 from mimoc.compiler.mjcf.furniture import Appearance, Material
 from mimoc.compiler.mjcf.skin import Skin
 from mimoc.compiler.mjcf.world import World
@@ -45,27 +46,20 @@ class SceneTree:
 
     name: str
     solver: Solver
-    roots: tuple[Node, ...]
-    """The infant's root body with all its descendants."""
+    roots: tuple[Node, ...]  # The infant's root body with all its descendants.
     appearance: Appearance
-    tendons: tuple[PrintedTendon, ...]
+    tendons: tuple[Tendon, ...]
     excluded: tuple[tuple[str, str], ...]
-    frictionless: tuple[tuple[str, str], ...]
-    """Pairs of geoms that slide on each other."""
-    joint_defaults: tuple[tuple[str, tuple[float, ...]], ...]
-    """Attributes that all hinges have in common."""
-    actuator_defaults: tuple[tuple[str, str], ...]
-    """Attributes that all actuators have in common."""
+    frictionless: tuple[tuple[str, str], ...]  # Pairs of geoms that slide on each other.
+    joint_defaults: tuple[tuple[str, tuple[float, ...]], ...]  # Attributes that all hinges have in common.
+    actuator_defaults: tuple[tuple[str, str], ...]  # Attributes that all actuators have in common.
     actuators: tuple[Actuator, ...]
-    reflexes: tuple[PassiveActuator, ...]
-    """Actuators that take no commands."""
+    reflexes: tuple[PassiveActuator, ...]  # Actuators that take no commands.
     sensors: tuple[Sensor, ...]
     world: World
     keyframes: tuple[Keyframe, ...]
-    skin: Skin | None = None
-    """Its skin, which is different at each age, as numbers are; None for its bare solids."""
-    prefix: str = ""
-    """What all names of the infant begin with, if it is not alone in its world."""
+    skin: Skin | None = None  # Its skin, which is different at each age, as numbers are; None for its bare solids.
+    prefix: str = ""  # What all names of the infant begin with, if it is not alone in its world.
 
     @property
     def infant_class(self) -> str:
@@ -90,7 +84,6 @@ class SceneTree:
 
 
 def _with_solids_shown(node: Node) -> Node:
-    """Return a body and its descendants with no solid in the group that is not drawn."""
     geoms = (replace(geom, group=BODY_GROUP) if geom.group == SOLIDS_GROUP else geom for geom in node.geoms)
     return replace(node, geoms=tuple(geoms), children=tuple(map(_with_solids_shown, node.children)))
 

@@ -6,20 +6,16 @@ from collections.abc import Iterator
 from mimoc.anatomy.published_figures import SIZES_M
 from mimoc.anatomy.sections import BUTTOCKS, RUMP
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.base.units import deg_to_rad
-from mimoc.body.head_surface import as_on_mimos_head
+from mimoc.body.surface import as_on_mimos_head
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.elements import Camera, Sensor, Site
 
 SITE_RADIUS_M = 0.01
-FINGER_SITE_RADIUS_M = 0.002
-"""Only for display; the second in hands with five fingers (MIMo)."""
+FINGER_SITE_RADIUS_M = 0.002  # Only for display; the second in hands with five fingers (MIMo).
 
-UNSEEN = ("head", "left_eye", "right_eye")
-"""Bodies that an infant's own eyes do not see."""
+UNSEEN = ("head", "left_eye", "right_eye")  # Bodies that an infant's own eyes do not see.
 
-FOVY_DEG = 60.0
-"""Vertical field of view of an eye, unless a spec gives another (MIMo)."""
+FOVY_DEG = 60.0  # Vertical field of view of an eye, unless a spec gives another (MIMo).
 
 CENTRE_SITE = "lowerBody_center"
 VESTIBULAR_SITE = "vestibular"
@@ -30,7 +26,7 @@ VESTIBULAR_SENSORS = (
 )
 
 _OTHER_NAMES = {"torque_ub": "trunk_upper", "torque_lb": "trunk_lower"}
-"""Of sensors that are not named as their sites are."""
+"""Sensors whose name differs from their site's, by site."""
 _FINGERS = (
     *(f"{finger}{bone}" for finger in ("ff", "mf", "rf") for bone in ("knuckle", "middle", "distal")),
     *("lfmetacarpal", "lfknuckle", "lfmiddle", "lfdistal", "thbase", "thhub", "thdistal"),
@@ -75,7 +71,7 @@ def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camer
 
     It is on the front of the eyeball; by the published law where it is at 18 months (`published_figures.DEFECTS`).
     """
-    euler_rad, geoms = (deg_to_rad(90), deg_to_rad(-90), 0.0), tree.geoms
+    euler_rad, geoms = (math.radians(90), math.radians(-90), 0.0), tree.geoms
     cameras: dict[str, tuple[Camera, ...]] = {}
     for side in ("left", "right"):
         if eye := geoms.get(f"{side}_eye1"):
@@ -102,8 +98,7 @@ ORIGINS = {
 }
 """Keypoints at the origin of a body, for each side."""
 
-RADIUS_M = 0.005
-"""Only for looking at."""
+RADIUS_M = 0.005  # Only for looking at.
 
 
 def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
@@ -116,13 +111,17 @@ def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
     return sites
 
 
+# Keypoints on the head of MIMo v2, in its frame.
+NOSE_M, RIGHT_EAR_M, LEFT_EAR_M = (0.0685, 0.0, 0.0435), (0.01, -0.0625, 0.0575), (0.01, 0.0625, 0.0575)
+
+
 def _middle(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
-    """Yield the keypoints of head and hip; those of the head are in proportion to it (MIMo v2)."""
+    """Yield the keypoints of head and hip; those of the head are in proportion to it."""
     head = tree.geoms["head"]
-    yield "Nose", "head", as_on_mimos_head(head, (0.0685, 0.0, 0.0435))
+    yield "Nose", "head", as_on_mimos_head(head, NOSE_M)
     yield "Neck", "head", (0.0, 0.0, 0.0)
-    yield "REar", "head", as_on_mimos_head(head, (0.01, -0.0625, 0.0575))
-    yield "LEar", "head", as_on_mimos_head(head, (0.01, 0.0625, 0.0575))
+    yield "REar", "head", as_on_mimos_head(head, RIGHT_EAR_M)
+    yield "LEar", "head", as_on_mimos_head(head, LEFT_EAR_M)
     yield "MidHip", "hip", _between_hip_joints(tree)
 
 
@@ -148,17 +147,26 @@ def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
             yield from _foot(tree, side, letter, outward)
 
 
+# A foot's keypoints in the frame of the part that they are on, along it and across it: of MIMo's feet at 18 months.
+HEEL_BEHIND_M = 0.020
+TOES_AHEAD_M, TOES_ASIDE_M = 0.011, 0.012  # Big and small toe of toes in one piece.
+SMALL_TOE_AHEAD_M, SMALL_TOE_ASIDE_M = 0.010, 0.0045  # The big toe, if it is apart, is on its own part's axis.
+SOLE_HALF_LENGTHS_M = {"one_piece": 0.035, "separate_toes": 0.030}  # Of the soles that these were measured on.
+SOLE_HALF_WIDTH_M = 0.025
+
+
 def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tuple[str, str, Vec3]]:
     """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
-    foot, sole = f"{side}_foot", tree.geoms[f"{side}_foot2"]
+    foot, toes = f"{side}_foot", f"{side}_toes"
     separate_toes = tree.hands == "five_finger"
-    mimos_m = 0.030 if separate_toes and tree.development == "maturing" else 0.035
-    long, wide = sole.size_m[0] / mimos_m, sole.size_m[1] / 0.025
+    sole = "separate_toes" if separate_toes and tree.development == "maturing" else "one_piece"
+    half_length_m, half_width_m, *_ = tree.geoms[f"{side}_foot2"].size_m
+    long, wide = half_length_m / SOLE_HALF_LENGTHS_M[sole], half_width_m / SOLE_HALF_WIDTH_M
     yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m
-    yield letter + "Heel", foot, (-0.020 * long, 0.0, 0.0)
+    yield letter + "Heel", foot, (-HEEL_BEHIND_M * long, 0.0, 0.0)
     if separate_toes:
-        yield letter + "BigToe", f"{side}_big_toe", (0.011 * long, 0.0, 0.0)
-        yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.0045 * wide, 0.0)
+        yield letter + "BigToe", f"{side}_big_toe", (TOES_AHEAD_M * long, 0.0, 0.0)
+        yield letter + "SmallToe", toes, (SMALL_TOE_AHEAD_M * long, outward * SMALL_TOE_ASIDE_M * wide, 0.0)
     else:
-        yield letter + "BigToe", f"{side}_toes", (0.011 * long, -outward * 0.012 * wide, 0.0)
-        yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.012 * wide, 0.0)
+        yield letter + "BigToe", toes, (TOES_AHEAD_M * long, -outward * TOES_ASIDE_M * wide, 0.0)
+        yield letter + "SmallToe", toes, (SMALL_TOE_AHEAD_M * long, outward * TOES_ASIDE_M * wide, 0.0)

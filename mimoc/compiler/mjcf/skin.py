@@ -7,34 +7,25 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.geometry.face_steps import Steps, stepped
+from mimoc.base.geometry.meshes import Steps, stepped
 from mimoc.base.geometry.rotations import FloatArray, quaternion_from_matrix
 from mimoc.base.rounding import rounded_array
 
-LEAST = 1e-9
-"""Smaller numbers are 0: lengths in m, parts of quaternions, weights and places in a texture."""
-NAME_BYTES = 40
-"""For the name of a body in MuJoCo's file."""
+LEAST = 1e-9  # Smaller numbers are 0: lengths in m, parts of quaternions, weights and places in a texture.
+NAME_BYTES = 40  # For the name of a body in MuJoCo's file.
 
 
 @dataclass(frozen=True, eq=False)
 class SkinLayer:
     """One mesh of a skin, of n vertices, bound to bodies in a pose."""
 
-    name: str
-    """`body`, `shirt`, `trousers`, `head` or `hair`."""
-    verts_m: FloatArray
-    """In the frame of the hip, shape (n, 3)."""
-    faces: npt.NDArray[np.intp]
-    """Vertices of each triangle, counterclockwise as seen from outside, shape (m, 3)."""
-    texcoords: FloatArray
-    """Place in the texture of its material, from the lower left, shape (n, 2)."""
-    bones: tuple[str, ...]
-    """Names of the bodies that move it."""
-    origins_m: FloatArray
-    """Of these bodies in the pose, in the frame of the hip, shape (bones, 3)."""
-    turns: FloatArray
-    """Hip from body in the pose, shape (bones, 3, 3)."""
+    name: str  # `body`, `shirt`, `trousers`, `head` or `hair`.
+    verts_m: FloatArray  # In the frame of the hip, shape (n, 3).
+    faces: npt.NDArray[np.intp]  # Vertices of each triangle, counterclockwise as seen from outside, shape (m, 3).
+    texcoords: FloatArray  # Place in the texture of its material, from the lower left, shape (n, 2).
+    bones: tuple[str, ...]  # Names of the bodies that move it.
+    origins_m: FloatArray  # Of these bodies in the pose, in the frame of the hip, shape (bones, 3).
+    turns: FloatArray  # Hip from body in the pose, shape (bones, 3, 3).
     weights: FloatArray
     """How much each body moves each vertex, shape (n, bones); each row sums to 1 and has at most four above 0."""
 
@@ -98,15 +89,16 @@ def encode_skn(layer: SkinLayer) -> bytes:
         texture_places(layer).tobytes(),
         layer.faces.astype("<i4").tobytes(),
     ]
-    for index, (name, quat) in enumerate(zip(layer.bones, layer.quats, strict=True)):
+    weights, origins_m, quats = single(layer.weights), single(layer.origins_m), single(layer.quats)
+    for index, name in enumerate(layer.bones):
         (moved,) = np.nonzero(layer.weights[:, index])
         parts += [
             name.encode().ljust(NAME_BYTES, b"\0"),
-            single(layer.origins_m[index]).tobytes(),
-            single(quat).tobytes(),
+            origins_m[index].tobytes(),
+            quats[index].tobytes(),
             np.array(len(moved), "<i4").tobytes(),
             moved.astype("<i4").tobytes(),
-            single(layer.weights[moved, index]).tobytes(),
+            weights[moved, index].tobytes(),
         ]
     return b"".join(parts)
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from mimoc.base.geometry.rotations import Quaternion, Vec3
-from mimoc.compiler.mjcf.elements import Camera, Node, PrintedGeom, Site
+from mimoc.body.tree import Geom
+from mimoc.compiler.mjcf.elements import Camera, Node, Site
 from mimoc.compiler.mjcf.furniture import (
     BARE,
     OUTDOORS,
@@ -29,12 +30,9 @@ class MeshFile:
     """The triangles of a mesh."""
 
     name: str
-    file: str
-    """Path inside the bundle."""
-    content: bytes
-    """An OBJ."""
-    inertia: str
-    """How MuJoCo computes its volume: `shell` for a mesh that is only seen and may be open, or `convex`."""
+    file: str  # Path inside the bundle.
+    content: bytes  # An OBJ.
+    inertia: str  # How MuJoCo computes its volume: `shell` for a mesh that is only seen and may be open, or `convex`.
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +42,8 @@ class ObjectGeom:
     name: str
     type: str
     material: str
-    sizes: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    """The size of a primitive, as an attribute."""
-    names: tuple[tuple[str, str], ...] = ()
-    """The name of its mesh, if it is one, as an attribute."""
+    sizes: tuple[tuple[str, tuple[float, ...]], ...] = ()  # The size of a primitive, as an attribute.
+    names: tuple[tuple[str, str], ...] = ()  # The name of its mesh, if it is one, as an attribute.
     pos_m: Vec3 = (0.0, 0.0, 0.0)
     quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
     mass_kg: float = 0.0
@@ -119,10 +115,8 @@ class Ribbon:
     """A spatial tendon of limited length: straight, it pulls at both of its ends; slack, at none."""
 
     name: str
-    sites: tuple[str, ...]
-    """Along its way."""
-    range_m: tuple[float, float]
-    """0, and its length."""
+    sites: tuple[str, ...]  # Along its way.
+    range_m: tuple[float, float]  # 0, and its length.
     rgba: tuple[float, float, float, float]
     width_m: float = 0.0015
     stiffness_n_per_m: float = 0.0
@@ -144,25 +138,19 @@ class FreeObject:
     """An object that moves freely."""
 
     name: str
-    object: str
-    """What it is, such as `truck_003`."""
-    category: str
-    """Its kind, such as `truck`."""
-    source: str
-    """Where its shape comes from."""
+    object: str  # What it is, such as `truck_003`.
+    category: str  # Its kind, such as `truck`.
+    source: str  # Where its shape comes from.
     joint: str
     pos_m: Vec3
     quat: tuple[float, float, float, float]
-    size_m: float
-    """Its longest side."""
+    size_m: float  # Its longest side.
     mass_kg: float
-    density_kg_m3: float
-    """Mean density, hollows included."""
+    density_kg_m3: float  # Mean density, hollows included.
     geoms: tuple[ObjectGeom, ...]
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]
-    notes: tuple[str, ...] = ()
-    """What is to be known of its shape, for the README of a bundle."""
+    notes: tuple[str, ...] = ()  # What is to be known of its shape, for the README of a bundle.
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,8 +160,7 @@ class Lock:
     name: str
     joint: str
     angle_rad: float
-    active: bool
-    """Whether it is active from the start; others can be switched on."""
+    active: bool  # Whether it is active from the start; others can be switched on.
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,13 +169,10 @@ class Weld:
 
     name: str
     body: str
-    anchor_m: Vec3
-    """The point that is fixed, in the frame of the body."""
-    pos_m: Vec3
-    """Where that point is in the world."""
+    anchor_m: Vec3  # The point that is fixed, in the frame of the body.
+    pos_m: Vec3  # Where that point is in the world.
     quat: tuple[float, float, float, float]
-    torquescale: float
-    """1 fixes the orientation; 0 leaves it free about the point."""
+    torquescale: float  # 1 fixes the orientation; 0 leaves it free about the point.
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,8 +182,7 @@ class Pair:
     geom1: str
     geom2: str
     condim: int
-    friction: tuple[float, float, float, float, float]
-    """Sliding along two axes, spinning, and rolling about two axes."""
+    friction: tuple[float, float, float, float, float]  # Sliding along two axes, spinning, and rolling about two axes.
     solref: tuple[float, float]
     solimp: tuple[float, float, float, float, float]
 
@@ -228,8 +211,7 @@ class Grip:
 
     name: str
     holder: str
-    held: str
-    """The body that is held unless a program names another."""
+    held: str  # The body that is held unless a program names another.
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,8 +220,7 @@ class Persona:
 
     bodies: tuple[ObjectBody, ...] = ()
     materials: tuple[WorldMaterial, ...] = ()
-    textures: tuple[WorldTexture, ...] = ()
-    """Cubes of six sides."""
+    textures: tuple[WorldTexture, ...] = ()  # Cubes of six sides.
     grips: tuple[Grip, ...] = ()
 
     @property
@@ -253,8 +234,7 @@ class Persona:
         return tuple(material for material in self.materials if material.texture)
 
 
-NOBODY = Persona()
-"""No one but the infant."""
+NOBODY = Persona()  # No one but the infant.
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,9 +305,9 @@ def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
     return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)
 
 
-def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
+def _pair(barrier: WorldGeom, geom: Geom | ObjectGeom) -> Pair:
     """Return a contact with what MuJoCo mixes of two geoms that are equally soft, or takes of one with priority."""
-    settings: Mapping[str, Any] = dict(geom.settings) if isinstance(geom, PrintedGeom) else {}
+    settings: Mapping[str, Any] = dict(geom.settings) if isinstance(geom, Geom) else {}
     decisive = (geom,) if "priority" in settings else (barrier, geom)
     sliding, spinning, rolling = map(max, zip(*(side.friction for side in decisive), strict=True))
     return Pair(

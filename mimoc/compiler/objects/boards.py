@@ -20,10 +20,10 @@ from mimoc.base.geometry.rotations import (
     quaternion_from_axis,
     quaternion_from_matrix,
 )
-from mimoc.base.units import GRAVITY_M_S2, cm_to_m, deg_to_rad
+from mimoc.base.units import GRAVITY_M_S2, cm_to_m
 from mimoc.body.origins import Entry
 from mimoc.compiler.looks.pictures import encode_png
-from mimoc.compiler.looks.user_textures import read_picture_file
+from mimoc.compiler.looks.wallpaper import read_picture_file
 from mimoc.compiler.mjcf.furniture import (
     BARE,
     DOMINANT_SOLMIX,
@@ -37,29 +37,26 @@ from mimoc.compiler.mjcf.furniture import (
 )
 from mimoc.compiler.mjcf.world import ObjectBody, ObjectGeom
 from mimoc.compiler.objects.built_object import BuiltObject
-from mimoc.schema.object_base import MOST_CYCLES, GratingSpec, Material, PicturedSpec
+from mimoc.schema.objects import MOST_CYCLES, GratingSpec, Material, PicturedSpec
 
 AHEAD: Vec3 = (1.0, 0.0, 0.0)
 ACROSS: Vec3 = (0.0, 1.0, 0.0)
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
-LYING: Quaternion = quaternion_from_axis(AHEAD, math.pi / 2)
-"""Of a bar along y."""
+LYING: Quaternion = quaternion_from_axis(AHEAD, math.pi / 2)  # Of a bar along y.
 DENSITIES_KG_M3: Mapping[str, float] = {"wood": 600.0, "cloth": 50.0}
 """Of beech and pine, and of foam; assumptions, which move nothing: furniture is fixed."""
 LEAST_DISC_M = 0.1
 """Side of the squares into which long, thin furniture is divided to cover the floor below it with discs."""
 SOFT_IMPEDANCE = (0.7, 0.95)
 """Impedance of a soft contact without depth, and at full width: those of the crib's mattress."""
-SOFT_WIDTH = 4.0
-"""Width of the rise of a soft contact's impedance, for one depth to which a body at rest sinks in."""
+SOFT_WIDTH = 4.0  # Width of the rise of a soft contact's impedance, for one depth to which a body at rest sinks in.
 
 
 @dataclass(frozen=True, slots=True)
 class Surface:
     """A level surface about the origin, on which things can lie."""
 
-    half_m: tuple[float, float]
-    """Half lengths along x and y."""
+    half_m: tuple[float, float]  # Half lengths along x and y.
     height_m: float
 
 
@@ -83,7 +80,7 @@ def board(
     name: str, half_m: Vec3, middle_m: Vec3 | FloatArray, finish: WorldMaterial, tilt_deg: float = 0.0
 ) -> ObjectGeom:
     """Return a box, whose front, along x, is lifted by an angle."""
-    return piece(name, "box", half_m, middle_m, quaternion_from_axis(ACROSS, -deg_to_rad(tilt_deg)), finish)
+    return piece(name, "box", half_m, middle_m, quaternion_from_axis(ACROSS, -math.radians(tilt_deg)), finish)
 
 
 def bar(name: str, half_m: float, middle_m: Vec3, finish: WorldMaterial, radius_m: float = RAIL_RADIUS_M) -> ObjectGeom:
@@ -162,7 +159,6 @@ def _discs(corners_m: FloatArray) -> tuple[Vec3, ...]:
 
 
 def _shape(piece: ObjectGeom) -> tuple[Any, tuple[float, ...]]:
-    """Return kind and size of a piece; a plane that is seen is a box of no thickness."""
     size_m = piece.sizes[0][1]
     return ("box", (*size_m[:2], 0.0)) if piece.type == "plane" else (piece.type, size_m)
 
@@ -176,12 +172,10 @@ def _corners(piece: ObjectGeom) -> FloatArray:
 
 TO_INFANT = quaternion_from_matrix(matrix_from_euler((90.0, -90.0, 0.0)))
 """Of a plane whose front looks along -x, its top up."""
-BEFORE_M = 0.002
-"""Gap between a picture and the board behind it, so that this does not show through."""
+BEFORE_M = 0.002  # Gap between a picture and the board behind it, so that this does not show through.
 GLOWING: Rgba = (0.02, 0.02, 0.02, 1.0)
 """Colour of a picture that glows: it reflects so much of other light, and as much more shines as makes it white."""
-FACETS = 16
-"""Along a side: MuJoCo computes light at their corners only."""
+FACETS = 16  # Along a side: MuJoCo computes light at their corners only.
 CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MOST_CYCLES, 8
 """Texels of a cycle, most of all cycles together, and texels along the stripes, where nothing changes."""
 

@@ -6,40 +6,31 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.base.errors import ObjectError, suggestion
-from mimoc.base.geometry.floor_reach import STRETCHED, places_around
+from mimoc.base.geometry.reach import STRETCHED, places_around
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.base.units import cm_to_m, deg_to_rad
+from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import FloatArray
 from mimoc.compiler.objects.built_object import BuiltObject, PlacedThing, Surroundings
-from mimoc.compiler.scenes.footprint import arm_of
-from mimoc.schema.object_base import ObjectSpec, PointSpec, in_words
+from mimoc.compiler.scenes import arm_of
+from mimoc.schema.objects import ObjectSpec, PointSpec, in_words
 
-GAP_M = 0.01
-"""Smallest gap between an object that a place is looked for and anything next to it."""
+GAP_M = 0.01  # Smallest gap between an object that a place is looked for and anything next to it.
 HEIGHT_CM, DISTANCE_CM = 20.0, 10.0
 """Of an object above something, and of one in front of or beside something, unless the spec says."""
-STEP_M = 0.005
-"""Step of the search for a free place along a direction."""
-FARTHEST_M = 2.0
-"""How far from a part an object is at most that is in front of it or beside it."""
-DIRECTIONS = 32
-"""In which a place within reach is looked for, beginning with that away from the infant."""
-STEEP = math.sqrt(0.5)
-"""Vertical part of a direction from which on it is upwards or downwards, not ahead."""
-WHOLE, MIDDLE = "infant", "chest"
-"""Word for the whole infant, and the part that is meant by it."""
+STEP_M = 0.005  # Step of the search for a free place along a direction.
+FARTHEST_M = 2.0  # How far from a part an object is at most that is in front of it or beside it.
+DIRECTIONS = 32  # In which a place within reach is looked for, beginning with that away from the infant.
+STEEP = math.sqrt(0.5)  # Vertical part of a direction from which on it is upwards or downwards, not ahead.
+WHOLE, MIDDLE = "infant", "chest"  # Word for the whole infant, and the part that is meant by it.
 
 
 @dataclass(frozen=True, slots=True)
 class Spot:
     """A place in the world."""
 
-    pos_m: Vec3
-    """Of the origin of the object's own frame: the object's middle is above it, its lowest point there."""
-    where: str
-    """In words."""
-    yaw_rad: float = 0.0
-    """Of the axes that the object's own yaw is from."""
+    pos_m: Vec3  # Of the origin of the object's own frame: the object's middle is above it, its lowest point there.
+    where: str  # In words.
+    yaw_rad: float = 0.0  # Of the axes that the object's own yaw is from.
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +106,7 @@ def find_place(spec: ObjectSpec, built: BuiltObject, around: Surroundings) -> Sp
     """
     search = Search(spec, built, around)
     spot = _spot(search)
-    discs = np.array(built.discs_at(spot.pos_m, spot.yaw_rad + deg_to_rad(spec.yaw_deg)))
+    discs = np.array(built.discs_at(spot.pos_m, spot.yaw_rad + math.radians(spec.yaw_deg)))
     if (np.abs(discs[:, :2]) + discs[:, 2:] > around.half_size_m).any():
         message = "it is outside of the floor, or in a wall; give another place, or make it smaller"
         raise search.refusal("at" if spec.above is None else "above", message)

@@ -13,7 +13,7 @@ from mimoc.base.random_streams import SEED, drawn_rule
 from mimoc.body.origins import Entry
 from mimoc.compiler.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.compiler.mjcf.world import FreeObject, MeshFile, ObjectGeom
-from mimoc.compiler.toys.choosing import Toy
+from mimoc.compiler.toys.placing import Toy
 from mimoc.compiler.toys.shape import Mesh, centre_of, solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
@@ -28,10 +28,8 @@ BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
 It makes the toy lean by a millionth: occasionally MuJoCo (3.17) finds no contact between a plane and a cylinder that is
 upright except for rounding errors, and a bottle that stood still for seconds would suddenly fall.
 """
-LONGEST_NAME = 40
-"""Maximum number of characters of a toy's name in the names of its elements."""
-SOLIDS_GROUP = 3
-"""Geom group that MuJoCo does not render by default."""
+LONGEST_NAME = 40  # Maximum number of characters of a toy's name in the names of its elements.
+SOLIDS_GROUP = 3  # Geom group that MuJoCo does not render by default.
 LOOKS = ObjectGeom(
     name="",
     type="mesh",

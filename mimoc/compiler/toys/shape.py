@@ -25,10 +25,8 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 class Mesh:
     """A triangle mesh whose faces point outwards; its arrays become read-only."""
 
-    vertices: FloatArray
-    """Shape (n, 3)."""
-    faces: IntArray
-    """Shape (m, 3)."""
+    vertices: FloatArray  # Shape (n, 3).
+    faces: IntArray  # Shape (m, 3).
 
     def __post_init__(self) -> None:
         self.vertices.flags.writeable = self.faces.flags.writeable = False
@@ -72,34 +70,25 @@ class Solid:
     """Size as in MuJoCo (radius, then half length along z; half edges; half axes); empty for a mesh."""
     pos: Vec3 = (0.0, 0.0, 0.0)
     quat: Quaternion = UPRIGHT
-    mesh: Mesh | None = None
-    """The mesh, if `type` is `mesh`, whose convex hull is the solid."""
+    mesh: Mesh | None = None  # The mesh, if `type` is `mesh`, whose convex hull is the solid.
 
 
 @dataclass(frozen=True, slots=True)
 class ToyModel:
     """The shape of a toy. Lengths are in units of its longest side; it stands on z = 0, centred over the origin."""
 
-    name: str
-    """Name of the object, such as `truck_003`."""
-    category: str
-    """Category of the object, as in Toys4K, such as `truck`."""
+    name: str  # Name of the object, such as `truck_003`.
+    category: str  # Category of the object, as in Toys4K, such as `truck`.
     parts: tuple[Part, ...]
-    solids: tuple[Solid, ...]
-    """Its collision shapes."""
-    volume: float
-    """Volume that has the density below."""
-    density_kg_m3: float
-    """Mean density, including cavities."""
-    source: str
-    """Origin of the shape, for the README of a bundle."""
-    notes: tuple[str, ...] = ()
-    """Notes for the user of a bundle with this toy."""
+    solids: tuple[Solid, ...]  # Its collision shapes.
+    volume: float  # Volume that has the density below.
+    density_kg_m3: float  # Mean density, including cavities.
+    source: str  # Origin of the shape, for the README of a bundle.
+    notes: tuple[str, ...] = ()  # Notes for the user of a bundle with this toy.
 
 
 _ANGLES = np.linspace(0, math.tau, 48, endpoint=False)
-_AROUND = np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(48)], axis=1)
-"""Horizontal directions."""
+_AROUND = np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(48)], axis=1)  # Horizontal directions.
 
 
 def bounds(solid: Solid) -> tuple[FloatArray, FloatArray]:
@@ -133,8 +122,7 @@ def _kind(solid: Solid) -> Kind:
 
 SOURCE = "made by mimoc"
 
-Looks = Mapping[Tint, Sequence[Mesh]]
-"""Visual meshes by colour."""
+Looks = Mapping[Tint, Sequence[Mesh]]  # Visual meshes by colour.
 
 
 def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3: float) -> ToyModel:

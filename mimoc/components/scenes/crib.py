@@ -22,32 +22,22 @@ from mimoc.compiler.mjcf.furniture import (
     untouched,
 )
 from mimoc.compiler.mjcf.world import Ground, World
-from mimoc.compiler.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
+from mimoc.compiler.scenes import HEADLIGHT, WINDOW, BuiltScene, Occupant
 from mimoc.schema.scene import SceneSpec
 
-INNER_M = (1.2, 0.6)
-"""Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""
-LENGTH_IN_CHILDREN = 1.25
-"""Least length inside, in lengths of the child."""
-BAR_RADIUS_M = 0.006
-"""A hand closes around bars, too: their girth is 4 cm, a newborn's hand is 6 cm long."""
-WIDEST_GAP_M = 0.058
-"""Between two bars: EN 716-1 asks for 45 to 65 mm."""
+INNER_M = (1.2, 0.6)  # Length and width inside, of the common kind (EN 716-1); more for a child that would not fit.
+LENGTH_IN_CHILDREN = 1.25  # Least length inside, in lengths of the child.
+BAR_RADIUS_M = 0.006  # A hand closes around bars, too: their girth is 4 cm, a newborn's hand is 6 cm long.
+WIDEST_GAP_M = 0.058  # Between two bars: EN 716-1 asks for 45 to 65 mm.
 POST_HALF_M = 0.02
-MATTRESS_M = 0.1
-"""Its thickness."""
-LEGS_M = 0.3
-"""From the floor to the top of the mattress."""
+MATTRESS_M = 0.1  # Its thickness.
+LEGS_M = 0.3  # From the floor to the top of the mattress.
 SHEET, SHEET_TILE_M = WALLS["stars"], 0.4
-SHEET_M = 0.001
-"""Its thickness, so that it is not hidden in the mattress."""
-FREE_M = 0.01
-"""Between the bars and a child in any of its poses."""
-KNOB_M = 0.02
-"""Height of a post above the rail."""
+SHEET_M = 0.001  # Its thickness, so that it is not hidden in the mattress.
+FREE_M = 0.01  # Between the bars and a child in any of its poses.
+KNOB_M = 0.02  # Height of a post above the rail.
 SOFT_SOLREF = (0.04, 1.0)
-SOFT_SOLIMP = (0.7, 0.95, 0.02, 0.5, 2.0)
-"""Foam: an infant sinks in by a few millimetres."""
+SOFT_SOLIMP = (0.7, 0.95, 0.02, 0.5, 2.0)  # Foam: an infant sinks in by a few millimetres.
 
 _UNTURNED = (0.0, 0.0, 0.0)
 _ALONG_X = (0.0, math.pi / 2, 0.0)
@@ -58,10 +48,8 @@ _ALONG_Y = (math.pi / 2, 0.0, 0.0)
 class Crib:
     """A crib around the origin, its length along x, the top of its mattress at z = 0."""
 
-    inner_m: tuple[float, float]
-    """Length and width inside."""
-    rail_height_m: float
-    """Of the middle of the rail, above the mattress."""
+    inner_m: tuple[float, float]  # Length and width inside.
+    rail_height_m: float  # Of the middle of the rail, above the mattress.
     furniture: Furniture
 
 
@@ -75,12 +63,7 @@ def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltS
 
 
 def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
-    """Return a crib for a child.
-
-    Args:
-        length_m: Of the child, crown to sole.
-        reach_m: How far from the middle it extends along x and along y, in all its poses.
-    """
+    """Return a crib for a child of a length from crown to sole, which reaches so far from the middle along x and y."""
     least_length, least_width = (2 * (reach + FREE_M) for reach in reach_m)
     inner = (max(INNER_M[0], LENGTH_IN_CHILDREN * length_m, least_length), max(INNER_M[1], least_width))
     rail = RAIL_IN_CHILDREN * length_m

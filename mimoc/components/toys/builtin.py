@@ -1,4 +1,4 @@
-"""The toys that come with mimoc, as data that `make toys` makes (see `sculpt/toys/`)."""
+"""The toys that come with mimoc, as data that `.ci/task toys` makes (see `sculpt/toys/`)."""
 
 import json
 from functools import cache
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import UnknownToysError, suggestion
-from mimoc.compiler.toys.choosing import Toybox
+from mimoc.compiler.toys.placing import Toybox
 from mimoc.compiler.toys.shape import Mesh, Part, Solid, ToyModel
 from mimoc.schema.toys import ToysSpec
 

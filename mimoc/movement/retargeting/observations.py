@@ -11,22 +11,17 @@ from mimoc.movement.retargeting.skeleton import Pose
 
 STRAIGHT_DOWN_DEG = 90.0
 """Pitch of a camera whose axis is vertical: the angle by which it looks down, below the horizon."""
-OUTLIER = 6.0
-"""Distance in standard deviations of noise beyond which a point hardly counts (Geman and McClure 1987)."""
+OUTLIER = 6.0  # Distance in standard deviations of noise beyond which a point hardly counts (Geman and McClure 1987).
 
 
 @dataclass(frozen=True)
 class Channel:
     """Differences of one kind at f frames: model less recording, over the noise."""
 
-    errors: FloatArray
-    """Shape (f, k, c)."""
-    by_frame: FloatArray
-    """Derivatives by unknowns of the frame, shape (f, k, c, n)."""
-    by_shared: FloatArray
-    """Derivatives by what all frames share, the height and then sizes, shape (f, k, c, 1 + s)."""
-    weight: FloatArray
-    """Confidence, 0 where a point is not seen, shape (f, k)."""
+    errors: FloatArray  # Shape (f, k, c).
+    by_frame: FloatArray  # Derivatives by unknowns of the frame, shape (f, k, c, n).
+    by_shared: FloatArray  # Derivatives by what all frames share, the height and then sizes, shape (f, k, c, 1 + s).
+    weight: FloatArray  # Confidence, 0 where a point is not seen, shape (f, k).
 
     def robust(self, outlier: float) -> tuple[FloatArray, float]:
         """Return the weight of each point, shape (f, k), and the cost: sum w r^2 / (1 + r^2 / c^2).
@@ -42,18 +37,14 @@ class Channel:
 class Observed:
     """The points of a recording that a model has, without gaps: these have no weight."""
 
-    places: FloatArray
-    """Shape (t, k, 2) in pixels, or (t, k, 3) in [m]."""
-    weight: FloatArray
-    """Shape (t, k)."""
+    places: FloatArray  # Shape (t, k, 2) in pixels, or (t, k, 3) in [m].
+    weight: FloatArray  # Shape (t, k).
     depth_m: FloatArray | None
     depth_weight: FloatArray | None
     camera: Camera
-    noise: float
-    """Standard deviation of places."""
+    noise: float  # Standard deviation of places.
     depth_noise_m: float
-    turn: FloatArray
-    """Axes of the camera as rows, `camera_from_world`, shape (3, 3)."""
+    turn: FloatArray  # Axes of the camera as rows, `camera_from_world`, shape (3, 3).
 
     @classmethod
     def of(

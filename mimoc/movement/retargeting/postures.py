@@ -7,18 +7,13 @@ from mimoc.motion.point_recording import FloatArray
 from mimoc.movement.retargeting.observations import Observed
 from mimoc.movement.retargeting.skeleton import ROOT, IntArray, Shape, Skeleton, exponential
 
-LIBRARY = 1024
-"""Postures of a limb that are tried."""
-KEPT = 48
-"""Of them, those of each frame that sequences are made of."""
+LIBRARY = 1024  # Postures of a limb that are tried.
+KEPT = 48  # Of them, those of each frame that sequences are made of.
 SPREAD_OF_TRUNK = 0.05
 """Distance from what is seen that is taken for usual, as a share of the trunk: the library is not dense."""
-FAR = 4.0
-"""Distance, in these, beyond which a point counts no more."""
-SPEED_M_S, COARSE_M = 0.25, 0.02
-"""Usual speed of points of a limb, and distance of neighbours in the library."""
-SINK_M = 0.01
-"""Depth below the floor that is taken for usual."""
+FAR = 4.0  # Distance, in these, beyond which a point counts no more.
+SPEED_M_S, COARSE_M = 0.25, 0.02  # Usual speed of points of a limb, and distance of neighbours in the library.
+SINK_M = 0.01  # Depth below the floor that is taken for usual.
 ALIKE_OF_TRUNK, ALIKE_WIDER, ALIKE_HZ = 0.05, 1.5, 5.0
 """Distance, as a share of the trunk, at which postures look alike; by how much postures that may be are more spread
 than usual ones, since infants may move otherwise; and at how many frames a second they are looked for."""

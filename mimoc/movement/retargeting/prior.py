@@ -22,12 +22,9 @@ class Usual:
     limited, which is what couples neighbouring frames.
     """
 
-    sd: float
-    """Its standard deviation over time and infants, in [rad] or [m]."""
-    slow_hz: float = 0.04
-    """w_1 / 2 pi."""
-    fast_hz: float = 1.0
-    """w_2 / 2 pi."""
+    sd: float  # Its standard deviation over time and infants, in [rad] or [m].
+    slow_hz: float = 0.04  # w_1 / 2 pi.
+    fast_hz: float = 1.0  # w_2 / 2 pi.
 
 
 def chain(usual: Sequence[Usual], frames: int, rate_hz: float) -> FloatArray:
@@ -81,8 +78,7 @@ _USUAL = {
     "hip3": Usual(np.radians(22)),
 }
 """Spread by what the name of a hinge contains (D: of movements of simulated infants, and of the fits named above)."""
-ROOT_PLACE, ROOT_TURN = Usual(0.2, 0.02, 0.5), Usual(np.radians(20), 0.03, 0.6)
-"""Of the root."""
+ROOT_PLACE, ROOT_TURN = Usual(0.2, 0.02, 0.5), Usual(np.radians(20), 0.03, 0.6)  # Of the root.
 
 
 def usual_of(hinges: Hinges) -> list[Usual]:

@@ -10,10 +10,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.schema.infant import InfantSpec
 
-LEVEL = 0.9
-"""Probability with which the true value is meant to lie in an interval."""
-QUANTILE = 1.645
-"""Half the width of such an interval, in standard deviations of a normal distribution."""
+LEVEL = 0.9  # Probability with which the true value is meant to lie in an interval.
+QUANTILE = 1.645  # Half the width of such an interval, in standard deviations of a normal distribution.
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +61,7 @@ class Account:
     """Hinges of the model that were fitted, j of them."""
     angle_sd_rad: FloatArray
     """Standard deviation of each of their angles at each frame, shape (t, j); with one camera and no depth, also
-    for postures that look alike, and calibrated (`mimoc.movement.retargeting.one_camera`)."""
+    for postures that look alike, and calibrated (`mimoc.movement.retargeting.uncertainty`)."""
     depth_sd_m: Mapping[str, float]
     """Standard deviation of the height of each point above the floor, median over frames."""
     unseen: tuple[str, ...]

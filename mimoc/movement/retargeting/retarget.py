@@ -11,7 +11,6 @@ import numpy as np
 from mimoc.base.classes import takes
 from mimoc.base.errors import RecordingError, check_name
 from mimoc.motion.point_recording import PointRecording
-from mimoc.movement.retargeting.accounting import account_of
 from mimoc.movement.retargeting.fitting import Problem, Run, State
 from mimoc.movement.retargeting.observations import OUTLIER
 from mimoc.movement.retargeting.result import Retargeted
@@ -29,7 +28,7 @@ from mimoc.movement.retargeting.setting import (
 )
 from mimoc.movement.retargeting.sizes import compile_child, starting_spec
 from mimoc.movement.retargeting.start import TRUNK
-from mimoc.movement.retargeting.uncertainty import Uncertainty, pull_of, uncertainty_of
+from mimoc.movement.retargeting.uncertainty import Uncertainty, account_of, pull_of, uncertainty_of
 from mimoc.schema.infant import InfantSpec
 
 ROUNDS = 3
@@ -38,8 +37,7 @@ STEPS_POSTURE, STEPS_THIN, STEPS_AGAIN, STEPS_ALL, STEPS_LAST = 12, 30, 8, 10, 6
 noise known; of all frames, with sizes; of all frames of that child."""
 TOTAL = STEPS_POSTURE + STEPS_THIN + ROUNDS * STEPS_AGAIN + STEPS_ALL + STEPS_LAST
 FIRST_OUTLIER = 20 * OUTLIER
-FEWEST_POINTS, FEWEST_SEEN = 6, 0.2
-"""Points that a recording must have, and share of them that must be seen."""
+FEWEST_POINTS, FEWEST_SEEN = 6, 0.2  # Points that a recording must have, and share of them that must be seen.
 FEWEST_FRAMES = 3
 POSES = "supine", "prone"
 NEARLY_ALWAYS = 0.9

@@ -9,11 +9,8 @@ import numpy as np
 from mimoc.motion.body_points import BodyPoint, body_points
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.movement.retargeting import prior
-from mimoc.movement.retargeting.banded import BoolArray
-from mimoc.movement.retargeting.contacts import contacts_of, spheres_of
-from mimoc.movement.retargeting.fitting import Problem, State
+from mimoc.movement.retargeting.fitting import BoolArray, Problem, State
 from mimoc.movement.retargeting.observations import Observed, camera_from_world
-from mimoc.movement.retargeting.pitch import Pitch, pitch_of
 from mimoc.movement.retargeting.postures import likely_postures
 from mimoc.movement.retargeting.sizes import (
     LENGTH_SD,
@@ -37,26 +34,20 @@ from mimoc.movement.retargeting.skeleton import (
     hinges_of,
     matrix_of,
 )
-from mimoc.movement.retargeting.start import TRUNK, Start, start_of
+from mimoc.movement.retargeting.start import TRUNK, Pitch, Start, contacts_of, pitch_of, spheres_of, start_of
 
-THIN_HZ = 7.5
-"""Frames per second of the first fit, which finds postures and sizes."""
-FEWEST_THIN = 12
-"""Frames that it has at least, if there are as many."""
-NOISE_OF_TRUNK, NOISE_M = 0.012, 0.01
-"""Noise that a fit begins with: of places as a share of the trunk, and of depth."""
+THIN_HZ = 7.5  # Frames per second of the first fit, which finds postures and sizes.
+FEWEST_THIN = 12  # Frames that it has at least, if there are as many.
+NOISE_OF_TRUNK, NOISE_M = 0.012, 0.01  # Noise that a fit begins with: of places as a share of the trunk, and of depth.
 LEAST_OF_TRUNK, LEAST_WITHOUT_DEPTH = 0.001, 0.007
 """Noise that is assumed at least, since no model is exact: with depth, and of one camera without it, which would take
 each pixel for a difference in depth (D: fits of films without any noise are then as good as of those with 1 px)."""
-HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002
-"""How far the height is from where the fit starts, and from one that was measured."""
+HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002  # How far the height is from where the fit starts, and from one that was measured.
 AS_SURE = 8.0
 """How much surer sizes are taken to be while one camera is fitted: it tells of a limb's length only by how it is
 foreshortened, and what is wrong in usual postures, or in where a joint is seen, is wrong in every frame alike."""
-ROUNDS_LENGTH = 2
-"""How often a child is compiled again to be as long as its spec says: then it is so to .1 %."""
-HELD = 0.003
-"""Standard deviation of the mean logarithm of sizes while it is held."""
+ROUNDS_LENGTH = 2  # How often a child is compiled again to be as long as its spec says: then it is so to .1 %.
+HELD = 0.003  # Standard deviation of the mean logarithm of sizes while it is held.
 ASSUMED_CAMERA = "the camera is not known: that of MINI-RGBD was assumed"
 ASSUMED_SIZE = (
     "scale not known: overall size is that of the average child of the age, for one camera tells only proportions; the"
@@ -87,24 +78,20 @@ class Noise:
 class Setting:
     """What stays the same while problems of a fit differ in frames and noise."""
 
-    recording: PointRecording
-    """Its points that the infant has and that are seen."""
+    recording: PointRecording  # Its points that the infant has and that are seen.
     child: Child
     hinges: Hinges
     rest: FloatArray
     sizes: tuple[Size, ...]
-    shape: Shape
-    """At the child's sizes."""
+    shape: Shape  # At the child's sizes.
     start: Start
-    height_m: float | None
-    """Height of the camera, if it is known."""
+    height_m: float | None  # Height of the camera, if it is known.
     pitch: Pitch
     height_factors: tuple[float, float]
     """Least and largest factor on its height that this leaves, where it is estimated."""
     logs: FloatArray
     """Logarithms of the sizes that the child has, relative to the child that the fit started from, shape (s,)."""
-    length_cm: float | None
-    """Length of the child, if its spec gives it."""
+    length_cm: float | None  # Length of the child, if its spec gives it.
 
     @property
     def sees_size(self) -> bool:

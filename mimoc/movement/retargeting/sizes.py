@@ -12,18 +12,15 @@ from mimoc.bundle.model import load_model
 from mimoc.compiler.measuring import compile_infant
 from mimoc.compiler.pipeline import build
 from mimoc.motion.body_points import BodyPoint
+from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import FloatArray
-from mimoc.motion.points import SIDES
 from mimoc.movement.retargeting.skeleton import Shape
 from mimoc.schema.body import LENGTHS
 from mimoc.schema.infant import InfantSpec
 
-PointsOf = Callable[[mujoco.MjModel], list[BodyPoint]]
-"""What gives the points that a fit needs on a model."""
-STEP = 0.05
-"""Change of a factor by which derivatives are computed; origins are linear in factors."""
-LEAST, MOST = 0.6, 1.7
-"""Factors on parts that are tried, within those that a spec can have."""
+PointsOf = Callable[[mujoco.MjModel], list[BodyPoint]]  # What gives the points that a fit needs on a model.
+STEP = 0.05  # Change of a factor by which derivatives are computed; origins are linear in factors.
+LEAST, MOST = 0.6, 1.7  # Factors on parts that are tried, within those that a spec can have.
 OVERALL_SD = 0.045
 """Standard deviation of the logarithm of a child's length: 3.5 % by WHO's standards up to two years, and the difference
 between these and the survey of the average child."""
@@ -37,10 +34,8 @@ class Size:
     """A factor on some parts of the body, on both sides."""
 
     name: str
-    parts: tuple[str, ...]
-    """Names of parts, `{side}` for both."""
-    keys: tuple[str, ...]
-    """Which of their factors: `length`, `girth` or both."""
+    parts: tuple[str, ...]  # Names of parts, `{side}` for both.
+    keys: tuple[str, ...]  # Which of their factors: `length`, `girth` or both.
     sd: float
     """How far its logarithm is usually from the average child's (D: SD of the survey's segment lengths, less that of
     overall length, and what pose estimators take for the same joint)."""

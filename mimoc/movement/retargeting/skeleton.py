@@ -12,50 +12,37 @@ from mimoc.motion.body_points import BodyPoint
 from mimoc.motion.point_recording import FloatArray
 
 IntArray = npt.NDArray[np.intp]
-ROOT = 6
-"""Unknowns of the root, which come first: where it is, then how it is turned."""
+ROOT = 6  # Unknowns of the root, which come first: where it is, then how it is turned.
 
 
 @dataclass(frozen=True)
 class Hinges:
     """The j hinges that are fitted, and the u unknowns that turn them; two lumbar hinges can turn by one unknown."""
 
-    names: tuple[str, ...]
-    """Names of the unknowns, those of the first hinge that each turns; u of them."""
-    ids: IntArray
-    """Joints of the model, shape (j,)."""
-    column: IntArray
-    """Unknown that turns each hinge, shape (j,)."""
-    factor: FloatArray
-    """Angle of the hinge over the unknown, shape (j,)."""
+    names: tuple[str, ...]  # Names of the unknowns, those of the first hinge that each turns; u of them.
+    ids: IntArray  # Joints of the model, shape (j,).
+    column: IntArray  # Unknown that turns each hinge, shape (j,).
+    factor: FloatArray  # Angle of the hinge over the unknown, shape (j,).
 
 
 @dataclass(frozen=True)
 class Shape:
     """Vectors that the sizes of a body set; the last axis has the vector, then its derivatives by s sizes."""
 
-    bodies_m: FloatArray
-    """Origins in the frames of the parents, shape (nbody, 3, 1 + s)."""
-    anchors_m: FloatArray
-    """Anchors of joints in the frames of their bodies, shape (njnt, 3, 1 + s)."""
-    points_m: FloatArray
-    """Points in the frames of their bodies, shape (k, 3, 1 + s)."""
+    bodies_m: FloatArray  # Origins in the frames of the parents, shape (nbody, 3, 1 + s).
+    anchors_m: FloatArray  # Anchors of joints in the frames of their bodies, shape (njnt, 3, 1 + s).
+    points_m: FloatArray  # Points in the frames of their bodies, shape (k, 3, 1 + s).
 
 
 @dataclass(frozen=True)
 class Pose:
     """Where points are at f frames; components come first."""
 
-    points_m: FloatArray
-    """Shape (3, f, k, 1 + s): in the world, and derivatives by sizes."""
-    anchors_m: FloatArray
-    """Of the hinges, shape (3, f, j)."""
-    axes: FloatArray
-    """Of the hinges, shape (3, f, j)."""
-    root_m: FloatArray
-    """Shape (3, f)."""
-    turning: FloatArray
-    """Left Jacobian of the root's rotation vector, shape (3, 3, f): frames last."""
+    points_m: FloatArray  # Shape (3, f, k, 1 + s): in the world, and derivatives by sizes.
+    anchors_m: FloatArray  # Of the hinges, shape (3, f, j).
+    axes: FloatArray  # Of the hinges, shape (3, f, j).
+    root_m: FloatArray  # Shape (3, f).
+    turning: FloatArray  # Left Jacobian of the root's rotation vector, shape (3, 3, f): frames last.
 
 
 class Skeleton:

@@ -1,16 +1,21 @@
 """What a recording leaves open: the noise of its points, and standard deviations from the inverse of the Hessian."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2
 
 from mimoc.motion.point_recording import FloatArray
-from mimoc.movement.retargeting.banded import Factored
-from mimoc.movement.retargeting.fitting import CHUNK, Problem, State
+from mimoc.movement.retargeting import prior
+from mimoc.movement.retargeting.fitting import CHUNK, BoolArray, Factored, Problem, State
 from mimoc.movement.retargeting.observations import OUTLIER
-from mimoc.movement.retargeting.sizes import at_sizes
-from mimoc.movement.retargeting.skeleton import ROOT, Shape
+from mimoc.movement.retargeting.postures import spread_of_alike
+from mimoc.movement.retargeting.prior import usual_of
+from mimoc.movement.retargeting.result import QUANTILE, Account, Interval
+from mimoc.movement.retargeting.setting import Setting, points_of
+from mimoc.movement.retargeting.sizes import at_sizes, lengths_of
+from mimoc.movement.retargeting.skeleton import ROOT, Shape, exponential
 
 DIFFERENCE = 1e-3
 """Change of the height in [m], or of the logarithm of a size, by which derivatives of squares are computed."""
@@ -20,14 +25,10 @@ DIFFERENCE = 1e-3
 class Uncertainty:
     """Of a fit to t frames and k points, with u hinges."""
 
-    noise: tuple[float, ...]
-    """Estimated noise of each channel, relative to what was assumed: of places, then of depth."""
-    angle_sd_rad: FloatArray
-    """Shape (t, u)."""
-    depth_sd_m: FloatArray
-    """Of heights above the floor, shape (t, k)."""
-    shared_covariance: FloatArray
-    """Of the height and the logarithms of sizes, shape (1 + s, 1 + s)."""
+    noise: tuple[float, ...]  # Estimated noise of each channel, relative to what was assumed: of places, then of depth.
+    angle_sd_rad: FloatArray  # Shape (t, u).
+    depth_sd_m: FloatArray  # Of heights above the floor, shape (t, k).
+    shared_covariance: FloatArray  # Of the height and the logarithms of sizes, shape (1 + s, 1 + s).
 
 
 def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
@@ -156,3 +157,177 @@ def _noise(sums: FloatArray, dimensions: int) -> float:
     weight = (1 + r2 / OUTLIER**2) ** -2
     usual = (weight * r2).mean() / (weight.mean() * dimensions)
     return float(np.sqrt(squares / max(coordinates - used, 0.05 * coordinates) / usual))
+
+
+MODEL_OF_TRUNK = 0.05
+"""Noise that stands for errors which last, of proportions, centres of joints and the camera, as a share of the trunk:
+the Hessian counts each frame anew, so it is about .01 times the root of the frames in which postures last."""
+WIDER = {
+    "shoulder_horizontal": (0.8, 0.8),
+    "shoulder_ad_ab": (0.6, 0.8),
+    "shoulder_rotation": (0.7, 0.7),
+    "elbow": (0.55, 0.7),
+    "hand1": (0.75, 0.75),
+    "hand": (0.5, 0.5),
+    "head": (0.6, 0.9),
+    "hip_bend": (1.3, 4.0),
+    "hip_lean": (1.0, 5.0),
+    "hip_rot": (1.5, 6.0),
+    "hip1": (1.1, 2.3),
+    "hip2": (0.9, 2.3),
+    "hip3": (1.0, 1.6),
+    "knee": (0.8, 0.8),
+    "foot1": (0.5, 0.5),
+    "foot2": (0.7, 0.7),
+    "foot3": (0.6, 0.9),
+}
+"""Factors on standard deviations of angles, by what the name of a hinge contains: while the trunk lies flat, and from
+the first frame on in which it has turned, when what its contact with the floor tells of it is wrong (D: the 90th
+percentile of errors over standard deviations in that kind of motion in which it is largest, over that of a normal
+distribution, of 10 children each in general movements and kicks and 8 who roll: `benchmarks/one_camera.py --calibrate
+--first 1000`, before these factors; reaches had no part)."""
+FLAT = 0.8  # Cosine of the angle between the front of the trunk and the vertical from which it lies flat.
+LENGTHS_WIDER, LENGTHS_WIDER_WITH_HEIGHT = 1.15, 2.0
+"""Factors on those of logarithms of lengths: where the camera's height is not given, and where it is, so that not
+knowing overall size does not hide what is wrong (D: likewise; with the height, of nine children who lie)."""
+OVERALL_LEAST = 0.02
+"""Standard deviation of the logarithm of overall size, at least, that the camera's height leaves (D: likewise)."""
+
+
+def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncertainty) -> Uncertainty:
+    """Return how sure a fit to one camera is, from how sure its solution is by its Hessian.
+
+    With the calibrated factor v of a hinge, its variance is v^2 (H + A): H is that of the Hessian with `MODEL_OF_TRUNK`
+    added to the noise, and without the limits of joints, for a solution at a limit need not be there; A is the mean
+    square distance of postures that look alike, `spread_of_alike`. The variance of the logarithm of a length is that of
+    overall size, if nothing tells it, and that of the bodies of children, times a calibrated factor: one camera tells
+    next to nothing of lengths.
+    """
+    trunk, boundless = setting.recording.trunk, np.full_like(problem.low, np.inf)
+    observed = replace(problem.observed, noise=float(np.hypot(problem.observed.noise, MODEL_OF_TRUNK * trunk)))
+    loose = uncertainty_of(
+        replace(
+            problem,
+            observed=observed,
+            low=-boundless,
+            high=boundless,
+            sum_bounds=np.full_like(problem.sum_bounds, np.inf),
+            shared_sd=setting.shared_sd(),
+        ),
+        state,
+    )
+    spread = np.array([usual.sd for usual in prior.usual_of(setting.hinges)[ROOT:]])
+    alike = spread_of_alike(
+        problem.skeleton,
+        at_sizes(problem.shape, state.logs),
+        problem.observed,
+        state.x,
+        (spread, problem.low, problem.high),
+        (trunk, state.height_m, problem.rate_hz),
+        problem.mean[0, ROOT:],
+    )
+    lying, turned = factors(setting.hinges.names)
+    has_turned = turns(problem, state)[:, None]
+    angles = np.hypot(loose.angle_sd_rad, alike) * np.where(has_turned, turned, lying)
+    shared = loose.shared_covariance.copy()
+    shared[1:, 1:] *= (LENGTHS_WIDER_WITH_HEIGHT if setting.size_is_known else LENGTHS_WIDER) ** 2
+    shared[1, 1] += OVERALL_LEAST**2 if setting.size_is_known else 0.0
+    return replace(sure, angle_sd_rad=angles, shared_covariance=shared, depth_sd_m=loose.depth_sd_m)
+
+
+def factors(hinges: Sequence[str]) -> FloatArray:
+    """Return the factors of each hinge, while the trunk lies flat and when it has turned, shape (2, u)."""
+    return np.array([next(pair for part, pair in WIDER.items() if part in name) for name in hinges]).T
+
+
+def turns(problem: Problem, state: State) -> BoolArray:
+    """Return from which frame on the trunk has turned off the side on which it mostly lies, shape (t,)."""
+    front = (exponential(state.x[:, 3:ROOT])[0] @ problem.skeleton.turned)[:, 2, 0]
+    return np.logical_or.accumulate(front * np.sign(np.median(front)) < FLAT)
+
+
+UNSEEN = 0.8
+"""Share of the usual spread of a hinge that its standard deviation must keep, in half of the frames, for it to count as
+unseen: then its interval is about as wide as what infants do at all."""
+CENTRE_M = 0.0003
+"""How far a joint's centre is from where the model of the fitted child has it, as a standard deviation: between its two
+joints, a length is no better known (D: from fits to known motions)."""
+NOT_SEEN = "what was filmed does not tell these angles; they are what is usual, and their intervals say little"
+TOUCHED_RAD = np.radians(0.1)  # Distance from an end of its range at which a hinge touches it.
+
+
+def account_of(
+    setting: Setting,
+    problem: Problem,
+    state: State,
+    sure: Uncertainty,
+    fitted: FloatArray,
+    seconds: float,
+    notes: tuple[str, ...],
+) -> Account:
+    """Return the account of a fit, by its last problem and solution, with *fitted* points as the recording has them."""
+    recording, hinges = setting.recording, setting.hinges
+    seen = (problem.observed.weight > 0) & np.isfinite(fitted).all(-1)
+    distance = np.linalg.norm(fitted - problem.observed.places, axis=-1)
+    names = recording.names
+    by_point = {n: float(np.median(distance[seen[:, k], k])) for k, n in enumerate(names) if seen[:, k].any()}
+    joints = tuple(setting.child.model.joint(int(joint)).name for joint in hinges.ids)
+    wide = sure if problem.observed.tells_size else of_one_camera(setting, problem, state, sure)
+    half_m, factors = QUANTILE * float(np.sqrt(wide.shared_covariance[0, 0])), setting.height_factors
+    ends_m = (state.height_m - half_m) * factors[0], (state.height_m + half_m) * factors[1]
+    unseen = _unseen(setting, wide, joints)
+    if unseen:
+        named = ", ".join(name.removeprefix("robot:") for name in unseen)
+        notes = (*notes, f"{NOT_SEEN}: {named}")
+    angles = state.x[:, ROOT:]
+    touched = (angles < problem.low + TOUCHED_RAD) | (angles > problem.high - TOUCHED_RAD)
+    shares = dict(zip(hinges.names, touched.mean(axis=0).tolist(), strict=True))
+    return Account(
+        unit=recording.unit,
+        error_median=float(np.median(distance[seen])),
+        error_p95=float(np.percentile(distance[seen], 95)),
+        trunk=recording.trunk,
+        error_of_trunk={name: value / recording.trunk for name, value in by_point.items()},
+        depth_error_m=_depth_error(problem, state),
+        noise=problem.observed.noise * sure.noise[0],
+        depth_noise_m=problem.observed.depth_noise_m * sure.noise[1] if len(sure.noise) > 1 else None,
+        size_is_known=setting.size_is_known,
+        lengths_m=_lengths(setting, wide),
+        camera_height_m=Interval(state.height_m, *ends_m) if recording.unit == "px" else None,
+        camera_pitch_deg=setting.pitch.deg if recording.unit == "px" else None,
+        joints=joints,
+        angle_sd_rad=wide.angle_sd_rad[:, hinges.column] * np.abs(hinges.factor),
+        depth_sd_m=dict(zip(names, np.median(wide.depth_sd_m, axis=0).tolist(), strict=True)),
+        unseen=unseen,
+        limits_touched={name: share for name, share in shares.items() if share},
+        frames=recording.frames,
+        seconds=seconds,
+        notes=notes,
+    )
+
+
+def _depth_error(problem: Problem, state: State) -> float | None:
+    observed = problem.observed
+    if observed.depth_m is None or observed.depth_weight is None:
+        return None
+    away = np.abs(observed.in_camera(points_of(problem, state), state.height_m)[..., 2] - observed.depth_m)
+    return float(np.median(away[observed.depth_weight > 0]))
+
+
+def _lengths(setting: Setting, sure: Uncertainty) -> dict[str, Interval]:
+    """Return the lengths of the child; the logarithm of each is that of overall size and its own together."""
+    lengths, covariance = lengths_of(setting.child.model), sure.shared_covariance[1:, 1:]
+    result = {}
+    for index, size in enumerate(setting.sizes, start=1):
+        row = np.zeros(len(covariance))
+        row[0] = row[index] = 1.0
+        value = lengths[size.name]
+        half = QUANTILE * np.sqrt(row @ covariance @ row + 2 * (CENTRE_M / value) ** 2)
+        result[size.name] = Interval(value, float(value * np.exp(-half)), float(value * np.exp(half)))
+    return result
+
+
+def _unseen(setting: Setting, sure: Uncertainty, joints: tuple[str, ...]) -> tuple[str, ...]:
+    usual = np.array([item.sd for item in usual_of(setting.hinges)[ROOT:]])
+    unseen = np.median(sure.angle_sd_rad, axis=0) > UNSEEN * usual
+    return tuple(name for name, column in zip(joints, setting.hinges.column, strict=True) if unseen[column])

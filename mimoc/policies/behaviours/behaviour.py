@@ -1,30 +1,170 @@
 """What a behaviour is: target angles of some joints in each control step, and whether it does what it is for."""
 
+import math
+import re
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 import mujoco
 import numpy as np
 
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.policies.control.frames import find_frame
-from mimoc.policies.control.holding.driven import DrivenInfant
-from mimoc.policies.reaction import Chance
+from mimoc.policies.control.dynamics import find_frame
+from mimoc.policies.control.holding.postures import DrivenInfant
 from mimoc.runtime.sense import FloatArray, IntArray
+
+SEPARATOR = re.compile(r",(?![^(]*\))")
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A number that can be given by its name."""
+
+    default: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arguments:
+    """The arguments of a behaviour."""
+
+    words: tuple[str, ...]  # What has no name, such as a target and a side; a place is one word, `(0.3, 0, 0.2)`.
+    numbers: Mapping[str, float]  # All options by their names, with their defaults where none is given.
+
+
+def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0) -> Arguments:
+    """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError."""
+    words, numbers = list[str](), {name: option.default for name, option in options.items()}
+    # Three bare numbers at the beginning get parentheses.
+    number = r"\s*[-+]?\d*\.?\d+\s*"
+    for piece in filter(
+        None, map(str.strip, SEPARATOR.split(re.sub(rf"^({number},{number},{number})(?=,|$)", r"(\1)", text)))
+    ):
+        name, sign, value = map(str.strip, piece.partition("="))
+        if not sign:
+            words.append(piece)
+            continue
+        check_name(f"setting of '{behaviour}'", name, options)
+        numbers[name] = _number(behaviour, name, value, options[name])
+    if len(words) > most_words:
+        raise PolicyError(f"'{behaviour}' does not take '{words[most_words]}'; {_usage(options)}")
+    return Arguments(tuple(words), numbers)
+
+
+def place_of(word: str) -> tuple[float, float, float] | None:
+    """Return the place that a word is, [m]; None if it is none."""
+    if not (word.startswith("(") and word.endswith(")")):
+        return None
+    try:
+        x, y, z = map(float, word[1:-1].split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not math.isfinite(x + y + z):
+        raise PolicyError(f"'{word}' is no place; give x, y and z in metres, such as (0.3, 0, 0.2)")
+    return x, y, z
+
+
+def _number(behaviour: str, name: str, value: str, option: Option) -> float:
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not option.low <= number <= option.high:
+        bounds = f"a number from {option.low:g} to {option.high:g}"
+        raise PolicyError(f"'{behaviour}': {name}={value} is not possible; give {bounds}")
+    return number
+
+
+def _usage(options: Mapping[str, Option]) -> str:
+    if not options:
+        return "it takes no more"
+    return f"it takes {', '.join(f'{name}={option.default:g}' for name, option in options.items())}"
+
+
+T = TypeVar("T")
+SIGHT = "vision"
+LEAST_S = 0.02  # No single decision is quicker.
+
+
+@dataclass
+class Chance:
+    """The generator of the policy whose reactions are drawn, as soon as it has acted."""
+
+    generator: np.random.Generator | None = None
+
+    @property
+    def drawn_from(self) -> np.random.Generator:
+        """The generator, which a policy gets before anything is drawn."""
+        assert self.generator is not None, "a policy sets it in each call, before its behaviours see anything"
+        return self.generator
+
+
+@dataclass
+class Reaction(Generic[T]):
+    """Stimuli that are still to be reacted to, the earliest first.
+
+    With a conduction time c, mean decision m and variation v, a stimulus at time t is reacted to at t + c + d, where d
+    is drawn from a log-normal distribution of mean m and standard deviation v m; never before an earlier one is.
+
+    Example:
+        >>> import numpy as np
+        >>> from mimoc.policies.behaviours.behaviour import Reaction
+        >>> reaction = Reaction[str](conduction_s=0.1, mean_s=0.3, variation=0.0)
+        >>> reaction.see("a ball", 1.0, np.random.default_rng(0))
+        >>> reaction.at(1.39), reaction.at(1.4 + 1e-9)
+        (None, 'a ball')
+    """
+
+    conduction_s: float  # From a stimulus until it could be decided on.
+    mean_s: float  # Mean of a decision.
+    variation: float  # Its standard deviation, as a share of the mean.
+    _due: deque[tuple[float, T]] = field(default_factory=deque)
+    _reacted: T | None = None
+
+    def begin(self) -> None:
+        """Forget all stimuli."""
+        self._due.clear()
+        self._reacted = None
+
+    def see(self, stimulus: T, time_s: float, generator: np.random.Generator) -> None:
+        """Take a new stimulus; when it is reacted to is drawn now."""
+        due_s = time_s + self.conduction_s + self._decision_s(generator)
+        self._due.append((max([due_s, *(earlier_s for earlier_s, _ in self._due)]), stimulus))
+
+    def at(self, time_s: float) -> T | None:
+        """Return the stimulus that was reacted to last by now; None before the first."""
+        while self._due and self._due[0][0] <= time_s:
+            self._reacted = self._due.popleft()[1]
+        return self._reacted
+
+    def _decision_s(self, generator: np.random.Generator) -> float:
+        spread = math.sqrt(math.log1p(self.variation**2))
+        return max(LEAST_S, self.mean_s * math.exp(spread * generator.standard_normal() - spread**2 / 2))
+
+
+def reaction_of(manifest: Manifest, response: str) -> Reaction[int] | None:
+    """Return the reaction of an infant by `look` or `reach`, or None if it decides at once (`delays.processing`)."""
+    delays = dict(manifest.delays)
+    processing = manifest.delays.processing
+    if processing is None:
+        return None
+    mean_ms, variation = (getattr(processing, f"{response}_{what}") for what in ("ms", "variation"))
+    return Reaction(ms_to_s(delays[SIGHT].ms), ms_to_s(mean_ms), variation)
 
 
 @dataclass(frozen=True)
 class Subject:
     """The infant that behaviours are bound to, in its scene."""
 
-    infant: DrivenInfant
-    """Its model, and the n hinges that its actuators drive."""
+    infant: DrivenInfant  # Its model, and the n hinges that its actuators drive.
     manifest: Manifest
-    chance: Chance = field(default_factory=Chance)
-    """What the times of its reactions are drawn from."""
+    chance: Chance = field(default_factory=Chance)  # What the times of its reactions are drawn from.
 
     @property
     def step_s(self) -> float:
@@ -52,17 +192,14 @@ class Subject:
 class Behaviour:
     """Proposes angles of some joints; a behaviour of one's own overrides what it needs."""
 
-    joints: IntArray
-    """The hinges that it moves, as indices among those of its subject, shape (m,)."""
+    joints: IntArray  # The hinges that it moves, as indices among those of its subject, shape (m,).
     start: mujoco.MjData | None = None
     """The posture at the origin, facing along x, that an episode begins in; None to begin where the infant is."""
-    is_whole = False
-    """Whether it is a posture of the whole body, the rest of which others may move."""
+    is_whole = False  # Whether it is a posture of the whole body, the rest of which others may move.
     loose: IntArray | None = None
     """Those of its joints that bear nothing and only move what hangs on them; None for all, or, of a whole posture,
     none."""
-    may_touch: frozenset[int] = frozenset()
-    """Bodies that it may bring to the floor, which counts against no posture."""
+    may_touch: frozenset[int] = frozenset()  # Bodies that it may bring to the floor, which counts against no posture.
 
     def begin(self, data: mujoco.MjData) -> None:
         """Begin an episode in a state."""

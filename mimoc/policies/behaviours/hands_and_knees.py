@@ -1,7 +1,6 @@
 """Keeping on hands and knees."""
 
-from mimoc.policies.behaviours.arguments import Option, read_arguments
-from mimoc.policies.behaviours.behaviour import Subject
+from mimoc.policies.behaviours.behaviour import Option, Subject, read_arguments
 from mimoc.policies.behaviours.posture import Posture
 from mimoc.policies.control.holding.postures import SUPPORTS, kneel
 

@@ -3,8 +3,7 @@
 import mujoco
 import numpy as np
 
-from mimoc.policies.behaviours.arguments import read_arguments
-from mimoc.policies.behaviours.behaviour import Behaviour, Subject
+from mimoc.policies.behaviours.behaviour import Behaviour, Subject, read_arguments
 from mimoc.policies.control.holding.postures import MOST_TILT_DEG
 from mimoc.runtime.sense import FloatArray
 

@@ -1,10 +1,8 @@
 """Lying on the belly, on the forearms, with the head up."""
 
-from mimoc.policies.behaviours.arguments import read_arguments
-from mimoc.policies.behaviours.behaviour import Subject
+from mimoc.policies.behaviours.behaviour import Subject, read_arguments
 from mimoc.policies.behaviours.posture import Posture
-from mimoc.policies.control.holding.driven import SIDES
-from mimoc.policies.control.holding.postures import drooped, on_forearms
+from mimoc.policies.control.holding.postures import SIDES, drooped, on_forearms
 
 
 def bind(subject: Subject, text: str = "") -> Posture:

@@ -7,20 +7,16 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError, check_name
-from mimoc.policies.behaviours.aiming import Aim
-from mimoc.policies.behaviours.arguments import Option, read_arguments
-from mimoc.policies.behaviours.behaviour import Behaviour, Subject
+from mimoc.policies.behaviours.behaviour import Behaviour, Option, Subject, reaction_of, read_arguments
+from mimoc.policies.behaviours.look import Aim
 from mimoc.policies.behaviours.targets import NoticedTarget, Target, find_target
-from mimoc.policies.control.frames import joints_between
-from mimoc.policies.control.holding.driven import SIDES
-from mimoc.policies.reaction import reaction_of
+from mimoc.policies.control.dynamics import joints_between
+from mimoc.policies.control.holding.postures import SIDES
 from mimoc.runtime.sense import FloatArray
 
-PER_S, DAMPING_M = 5.0, 0.03
-"""Speed of the hand by its distance, and the damping of its inverse kinematics (a choice)."""
+PER_S, DAMPING_M = 5.0, 0.03  # Speed of the hand by its distance, and the damping of its inverse kinematics (a choice).
 OPTIONS = {"speed_m_s": Option(0.4, 0.05, 1.5)}
-ARRIVED_M = 0.03
-"""How near the palm has to come to a place, which it cannot touch."""
+ARRIVED_M = 0.03  # How near the palm has to come to a place, which it cannot touch.
 
 
 @dataclass(frozen=True)
@@ -28,10 +24,8 @@ class Arm:
     """An arm that ends in a hand."""
 
     side: str
-    hand: int
-    """Body of the palm."""
-    aim: Aim
-    """Its joints, from the shoulder to the wrist."""
+    hand: int  # Body of the palm.
+    aim: Aim  # Its joints, from the shoulder to the wrist.
     parts: frozenset[int]
     parts_of_hand: frozenset[int]
 

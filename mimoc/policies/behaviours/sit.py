@@ -1,7 +1,6 @@
 """Sitting without support."""
 
-from mimoc.policies.behaviours.arguments import Option, read_arguments
-from mimoc.policies.behaviours.behaviour import Subject
+from mimoc.policies.behaviours.behaviour import Option, Subject, read_arguments
 from mimoc.policies.behaviours.posture import Posture
 from mimoc.policies.control.holding.postures import FEET, SEAT, seat, slumped
 

@@ -6,9 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import PolicyError, UnknownNameError
-from mimoc.policies.behaviours.arguments import place_of
-from mimoc.policies.behaviours.behaviour import Subject
-from mimoc.policies.reaction import Chance, Reaction
+from mimoc.policies.behaviours.behaviour import Chance, Reaction, Subject, place_of
 from mimoc.runtime.sense import FloatArray
 
 TOY, HEAD = "toy", "_head"
@@ -21,8 +19,7 @@ class Target:
 
     bodies: tuple[int, ...]
     """The bodies that it may be, of which it is the nearest when an episode begins; none for a place."""
-    fixed_m: FloatArray
-    """The place, shape (3,), if it is one."""
+    fixed_m: FloatArray  # The place, shape (3,), if it is one.
 
     def nearest(self, data: mujoco.MjData, from_m: FloatArray) -> "Target":
         """Return the one body of these that is nearest to a place, shape (3,)."""

@@ -1,8 +1,7 @@
 """Control of an infant by inverse dynamics, on a model and its data."""
 
 from mimoc.policies.control.inverse_dynamics import InverseDynamics
-from mimoc.policies.control.objectives import GazeTask, OrientationTask, PositionTask
-from mimoc.policies.control.posture import Gains, Posture
+from mimoc.policies.control.objectives import Gains, GazeTask, OrientationTask, PositionTask, Posture
 from mimoc.policies.control.reaching import GAIN_SETS, ReachController, ReachGains
 
 __all__ = [

@@ -16,21 +16,21 @@ from mimoc.policies.control.dynamics import (
     ContactConstraints,
     Dynamics,
     JointLimit,
+    LinearDemand,
+    Motion,
     dynamics,
+    find_frame,
+    joined,
+    size_of,
     solve_within_limits,
 )
-from mimoc.policies.control.frames import Motion, find_frame
-from mimoc.policies.control.objectives import Objective
-from mimoc.policies.control.posture import Posture
-from mimoc.policies.control.priorities import LinearDemand, joined, size_of
+from mimoc.policies.control.objectives import Objective, Posture
 from mimoc.policies.control.torque_mapping import find_mapping
 from mimoc.runtime.actuation import Actuation, bind_actuation
 from mimoc.runtime.sense import FloatArray, IntArray
 
-BRAKING_PER_S = 20.0
-"""How fast a joint may approach the end of its range, by the way that is left."""
-MARGIN_RAD = 0.02
-"""How far from the end it is to stop."""
+BRAKING_PER_S = 20.0  # How fast a joint may approach the end of its range, by the way that is left.
+MARGIN_RAD = 0.02  # How far from the end it is to stop.
 
 
 class Joints:
@@ -60,8 +60,7 @@ class Joints:
         return least, BRAKING_PER_S**2 * (self._high_rad - angles_rad) + braking
 
 
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""The part of a state that determines accelerations."""
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION  # The part of a state that determines accelerations.
 
 Objectives = Sequence[Objective | Posture | Sequence[Objective]]
 """Objectives, the most important first; those in a nested sequence share one priority."""

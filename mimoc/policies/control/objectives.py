@@ -2,21 +2,140 @@
 
 import math
 import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Protocol
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.errors import ControlError
+from mimoc.base.classes import described
+from mimoc.base.errors import ControlError, UnknownNameError
 from mimoc.base.geometry.rotations import matrix_from_quaternion
-from mimoc.policies.control.frames import Motion
-from mimoc.policies.control.posture import Gains
+from mimoc.policies.control.dynamics import Motion
 from mimoc.runtime.sense import FloatArray
 
-_PARALLEL = 1e-9
-"""Sine of the angle below which two directions do not determine an axis of rotation."""
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """Feedback law for an error d and velocity v: strength x (d / scale)^power towards the target, less viscosity x v.
+
+    Errors and scales are in [m] or [rad], as the error of the objective; accelerations are in [m/s²] or [rad/s²].
+
+    Example:
+        >>> from mimoc import Gains
+        >>> gentle = Gains(strength=200.0, viscosity_per_s=30.0)  # 200 (m/s²)/m, and 30 (m/s²)/(m/s) against motion.
+        >>> gentle.power, gentle.cap
+        (1.0, inf)
+    """
+
+    strength: float
+    """Acceleration at an error of one scale, [m/s²] or [rad/s²]."""
+    power: float = 1.0
+    """1 is a spring; more is gentler near the target."""
+    scale: float = 1.0
+    """Error at which the acceleration is *strength*, [m] or [rad]."""
+    cap: float = math.inf
+    """Error at which the acceleration saturates, [m] or [rad]."""
+    viscosity_per_s: float = 0.0
+    """Deceleration per unit of velocity."""
+
+    def __post_init__(self) -> None:
+        for name, least in (("strength", 0.0), ("power", 0.0), ("scale", 1e-9), ("cap", 0.0), ("viscosity_per_s", 0.0)):
+            value = getattr(self, name)
+            if not value >= least or (value == math.inf and name != "cap"):
+                raise ControlError(f"the {name} of gains is {value:g}; give a number of at least {least:g}")
+
+    def acceleration(self, error: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Return the desired acceleration.
+
+        Args:
+            error: Vector from the present value to the target, shape (n,), [m] or [rad].
+            velocity: Present velocity, shape (n,).
+        """
+        distance = math.sqrt(error @ error)
+        if distance == 0.0:
+            return -self.viscosity_per_s * velocity
+        pull = self.strength * (min(distance, self.cap) / self.scale) ** self.power
+        return (pull / distance) * error - self.viscosity_per_s * velocity
+
+    def accelerations(self, errors: FloatArray, velocities: FloatArray) -> FloatArray:
+        """Return the desired accelerations of n independent values, such as joint angles; all of shape (n,)."""
+        pulls = self.strength * (np.minimum(np.abs(errors), self.cap) / self.scale) ** self.power
+        return np.sign(errors) * pulls - self.viscosity_per_s * velocities
+
+
+HOLDING = Gains(100.0, cap=0.3, viscosity_per_s=20.0)
+
+
+class Posture:
+    """Moves joints to angles and holds them there, as far as objectives of higher priority allow.
+
+    Example:
+        >>> import mimoc
+        >>> bent = mimoc.Posture({"robot:right_elbow": -1.2})  # [rad]; all other joints stay where they are.
+        >>> bent.angles_rad = {"robot:right_elbow": -0.6}  # At any time.
+    """
+
+    def __init__(
+        self, angles_rad: Mapping[str, float] | None = None, joints: Sequence[str] | None = None, gains: Gains = HOLDING
+    ):
+        """Create the posture.
+
+        Args:
+            angles_rad: Target angles by joint; other joints keep the angles that they have when control begins.
+            joints: Controlled joints, such as those of the trunk while the hands reach; None means all joints, which
+                is only possible at the lowest priority.
+            gains: Gains for the angle of each joint; with a strength of 0, there is only damping.
+
+        Raises:
+            ControlError: If an angle is not finite.
+        """
+        self.joints = None if joints is None else tuple(joints)
+        self.angles_rad, self.gains = angles_rad or {}, gains
+
+    @property
+    def angles_rad(self) -> Mapping[str, float]:
+        """Target angles by joint; they can be changed at any time."""
+        return self._angles_rad
+
+    @angles_rad.setter
+    def angles_rad(self, angles_rad: Mapping[str, float]) -> None:
+        if not isinstance(angles_rad, Mapping):
+            raise ControlError(f"the angles are {described(angles_rad)}; give a dictionary of radians by joint")
+        for joint, angle_rad in angles_rad.items():
+            if not math.isfinite(angle_rad):
+                raise ControlError(f"the angle of '{joint}' is {angle_rad}; give a finite number of radians")
+        self._angles_rad = MappingProxyType({joint: float(angle) for joint, angle in angles_rad.items()})
+
+    def members(self, joints: Sequence[str]) -> list[int]:
+        """Return the indices of the controlled joints among some joints.
+
+        Raises:
+            UnknownNameError: If a controlled joint, or one with a target angle, is not among them.
+        """
+        for name in (*(self.joints or ()), *self._angles_rad):
+            if name not in joints:
+                raise UnknownNameError("joint that is allowed to move", name, joints)
+        return [index for index, name in enumerate(joints) if self.joints is None or name in self.joints]
+
+    def targets_rad(self, joints: Sequence[str], present_rad: FloatArray) -> FloatArray:
+        """Return the target angle of each of n joints, shape (n,).
+
+        Args:
+            joints: Their names.
+            present_rad: Target angles of joints for which none is given, shape (n,).
+        """
+        targets_rad = present_rad.copy()
+        for name, angle_rad in self._angles_rad.items():
+            if name in joints:
+                targets_rad[joints.index(name)] = angle_rad
+        return targets_rad
+
+
+_PARALLEL = 1e-9  # Sine of the angle below which two directions do not determine an axis of rotation.
 
 
 def rotation_vector(axes: FloatArray, wanted: FloatArray) -> FloatArray:
@@ -65,27 +184,22 @@ TURNING = Gains(400.0, viscosity_per_s=40.0)
 LOOKING = Gains(900.0, viscosity_per_s=60.0)
 """Default gains for gaze: with weaker ones, the dry friction of the eyes leaves errors of several degrees."""
 
-_PLACE, _TURN = np.eye(6)[:3], np.eye(6)[3:]
-"""The linear and the angular part of a velocity."""
-_NEAREST_M = 1e-6
-"""Distance below which a target has no direction."""
+_PLACE, _TURN = np.eye(6)[:3], np.eye(6)[3:]  # The linear and the angular part of a velocity.
+_NEAREST_M = 1e-6  # Distance below which a target has no direction.
 
 
 @dataclass(frozen=True, slots=True)
 class TaskAcceleration:
     """Accelerations of its frame that an objective demands."""
 
-    directions: FloatArray
-    """Directions of the m accelerations in the six linear and angular components, shape (m, 6)."""
-    accelerations: FloatArray
-    """Accelerations, shape (m,), [m/s²] or [rad/s²]."""
+    directions: FloatArray  # Directions of the m accelerations in the six linear and angular components, shape (m, 6).
+    accelerations: FloatArray  # Accelerations, shape (m,), [m/s²] or [rad/s²].
 
 
 class Objective(Protocol):
     """A target of a part of the body."""
 
-    site: str
-    """Name of the controlled site, camera or body."""
+    site: str  # Name of the controlled site, camera or body.
 
     def desired_acceleration(self, motion: Motion) -> TaskAcceleration:
         """Return the demanded accelerations."""

@@ -10,18 +10,15 @@ import numpy.typing as npt
 from mimoc.base.errors import ControlError
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.policies.control.frames import Frame, find_frame, joints_between, limb_of, trunk_of
+from mimoc.policies.control.dynamics import Frame, find_frame, joints_between, limb_of, trunk_of
 from mimoc.policies.control.inverse_dynamics import InverseDynamics
-from mimoc.policies.control.objectives import LOOKING, REACHING, GazeTask, OrientationTask, PositionTask
-from mimoc.policies.control.posture import Gains, Posture
+from mimoc.policies.control.objectives import LOOKING, REACHING, Gains, GazeTask, OrientationTask, PositionTask, Posture
 from mimoc.runtime.sense import FloatArray
 
-SHARE = 0.8
-"""Fraction of each joint's range, about its middle, from which its angle is drawn."""
+SHARE = 0.8  # Fraction of each joint's range, about its middle, from which its angle is drawn.
 VIEW_RAD = np.deg2rad(70.0)
 """Largest angle between a target, as seen from the eyes, and the forward direction of the chest."""
-MOST_DRAWS = 1000
-"""Number of draws after which the search is given up."""
+MOST_DRAWS = 1000  # Number of draws after which the search is given up.
 
 
 class ReachableTargets:
@@ -87,23 +84,19 @@ class ReachableTargets:
         return bool((self._is_arm[contact.geom].any(axis=1) & (contact.dist < 0)).any())
 
 
-BALANCING = Gains(100.0, viscosity_per_s=20.0)
-"""Gains for the chest while the arms move, if motors act at once."""
+BALANCING = Gains(100.0, viscosity_per_s=20.0)  # Gains for the chest while the arms move, if motors act at once.
 LAGGING = Gains(25.0, viscosity_per_s=10.0)
 """Those if torques lag behind commands (by 60 ms, or as muscles do): with stronger ones, commands of hips and trunk
 jump between their ends, and no friction of the joints hides it."""
-LYING = 0.5
-"""Cosine of 60°, the tilt of the chest beyond which an infant counts as lying."""
+LYING = 0.5  # Cosine of 60°, the tilt of the chest beyond which an infant counts as lying.
 
 
 @dataclass(frozen=True, slots=True)
 class ReachGains:
     """Gains of hands and eyes."""
 
-    hands: Gains = REACHING
-    """Gains for the distance of each hand."""
-    eyes: Gains = LOOKING
-    """Gains for the misalignment of each eye."""
+    hands: Gains = REACHING  # Gains for the distance of each hand.
+    eyes: Gains = LOOKING  # Gains for the misalignment of each eye.
 
 
 GAIN_SETS: Mapping[str, ReachGains] = {

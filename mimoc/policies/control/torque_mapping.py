@@ -83,8 +83,7 @@ class TorqueMapping(ABC):
         return action
 
 
-LEAST_NM = 1e-12
-"""Torque below which a muscle counts as not pulling, as when it shortens too fast."""
+LEAST_NM = 1e-12  # Torque below which a muscle counts as not pulling, as when it shortens too fast.
 
 
 class Antagonists(TorqueMapping):

@@ -22,29 +22,25 @@ from scipy.optimize import nnls
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
+from mimoc.policies.control.holding.controller import LateCommands
 from mimoc.policies.control.inverse_dynamics import STATE, Joints, driven_joints
-from mimoc.policies.control.late_commands import LateCommands
 from mimoc.policies.control.torque_mapping import TorqueMapping, find_mapping
 from mimoc.runtime.actuation import bind_actuation
-from mimoc.runtime.delays.timing import timing_of
+from mimoc.runtime.delays.signals import timing_of
 from mimoc.runtime.sense import FloatArray, IntArray
 
 BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
 """Of the feedback of joints, which is that of the prototype, and of the trunk where it is assisted (a choice)."""
-FRICTION_RAD_S = 0.05
-"""Speed v_f above which dry friction counts as whole."""
+FRICTION_RAD_S = 0.05  # Speed v_f above which dry friction counts as whole.
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """Where an infant is to be at a time: whole configuration, velocity and acceleration of its model."""
 
-    qpos: FloatArray
-    """Shape (nq,)."""
-    qvel: FloatArray
-    """Shape (nv,)."""
-    qacc: FloatArray
-    """Shape (nv,)."""
+    qpos: FloatArray  # Shape (nq,).
+    qvel: FloatArray  # Shape (nv,).
+    qacc: FloatArray  # Shape (nv,).
 
 
 class Body:
@@ -242,8 +238,7 @@ class Demand:
 
 NEAR_M = 0.01
 """Distance within which a part of the body counts as touching: what fits of one camera leave open (a choice)."""
-ARM_M = 0.1
-"""Lever at which torques are weighed as forces, about half an infant's trunk (a choice)."""
+ARM_M = 0.1  # Lever at which torques are weighed as forces, about half an infant's trunk (a choice).
 
 
 def with_margin(model: mujoco.MjModel, near_m: float = NEAR_M) -> mujoco.MjModel:

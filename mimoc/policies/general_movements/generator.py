@@ -11,14 +11,30 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.policies.general_movements.joints import ARMS, IS_LEFT, LEGS, LIMBS, OTHER_SIDE, POSTURES, TRUNK, Joints
-from mimoc.policies.general_movements.law import STYLES, TRAITS, Law, Styles
+from mimoc.base.units import ms_to_s
+from mimoc.policies.general_movements.law import (
+    ARMS,
+    IS_LEFT,
+    LEGS,
+    LIMBS,
+    OTHER_SIDE,
+    POSTURES,
+    STYLES,
+    TRAITS,
+    TRUNK,
+    Joints,
+    Law,
+    Styles,
+    joints_of,
+    law_at,
+)
+from mimoc.policies.policy import Batch, BatchPolicy, Policy, batch_of_one
 from mimoc.runtime.array_library import NUMPY
+from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray
 from mimoc.runtime.term import Put
 
-SLOTS = 5
-"""Bursts of a limb at one time; one more takes the place of the oldest."""
+SLOTS = 5  # Bursts of a limb at one time; one more takes the place of the oldest.
 
 
 class Bursts:
@@ -94,10 +110,8 @@ class Columns:
         return {name: array[:, columns] for name, columns in self._slices.items()}
 
 
-SMOOTHING_S = 0.25
-"""Time constant in which slow drives and movements towards goals set in."""
-FIDGET_S = 0.6
-"""Time constant in which fidgety movements lose their rhythm."""
+SMOOTHING_S = 0.25  # Time constant in which slow drives and movements towards goals set in.
+FIDGET_S = 0.6  # Time constant in which fidgety movements lose their rhythm.
 
 
 STYLED = {
@@ -292,3 +306,50 @@ def draw(generators: Sequence[np.random.Generator], uniforms: int, normals: int)
         generator.random(out=uniform_row)
         generator.standard_normal(out=normal_row)
     return uniform, normal
+
+
+class Moving:
+    """Moves infants with the same commands by themselves, as the law of their age and their arousal say.
+
+    The style of each is drawn from its generator in the first step. It stays, also when the infant grows, and movement
+    goes on through episodes: what an infant does does not depend on what it senses.
+    """
+
+    def __init__(self, batch: Batch):
+        first, self._batch = batch.infants[0], batch
+        self._ages, step_s = (
+            [infant.manifest.child.corrected_age_months for infant in batch.infants],
+            ms_to_s(first.manifest.step_ms),
+        )
+        joints, laws = joints_of(first.manifest.actuation, first.actuation), [law_at(age) for age in self._ages]
+        self._movement = GeneralMovements(joints, laws, step_s, xp=batch.xp, put=batch.put)
+        self._started = False
+
+    @property
+    def movement(self) -> GeneralMovements:
+        """What gives their commands."""
+        return self._movement
+
+    def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> Any:
+        """Return the actions of the next control step, shape (k, n)."""
+        movement, batch, put = self._movement, self._batch, self._batch.put
+        ages = [infant.manifest.child.corrected_age_months for infant in batch.infants]
+        if not self._started:
+            movement.start(put(draw(generators, 0, movement.starts)[1]))
+            self._started = True
+        if ages != self._ages:
+            movement.set_laws([law_at(age) for age in ages])
+            self._ages = ages
+        uniform, normal = draw(generators, movement.uniforms, movement.normals)
+        return batch.actions(movement.step(put(uniform), put(normal), batch.arousals()))
+
+
+def bind(env: Infant) -> Policy:
+    """Return the policy for an environment; see `Moving`."""
+    act = bind_many(batch_of_one(env))
+    return lambda generator, observation: act([generator], observation)[0]
+
+
+def bind_many(batch: Batch) -> BatchPolicy:
+    """Return the policy for many infants with the same commands; see `Moving`."""
+    return Moving(batch)

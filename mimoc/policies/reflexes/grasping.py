@@ -1,18 +1,14 @@
 """Palmar and plantar grasp: pressure bends fingers and toes; a pull at the fingers tightens the grip."""
 
-from mimoc.policies.reflexes.movements import SIDES
-from mimoc.policies.reflexes.reflex import Drives, State
-from mimoc.policies.reflexes.sensing import Sensed
+from mimoc.policies.reflexes.reflex import AgeWindow, Drives, Reflex, State
+from mimoc.policies.reflexes.sensing import SIDES, Sensed
 
 LEAST, FULL = 0.004, 0.02
 """Pressure that is noticed, and that sets off all of the response, as shares of the body's weight: .13 and .65 N for a
 newborn of 3.3 kg. Ours: the literature gives none."""
-HOLD_S = 0.5
-"""Time constant in which the grip lets go."""
-GRIP, TIGHT = 0.6, 0.4
-"""Drive of the fingers that hold, and what a pull adds."""
-PULL_RAD_S = 1.0
-"""Speed of fingers being opened that adds all of it."""
+HOLD_S = 0.5  # Time constant in which the grip lets go.
+GRIP, TIGHT = 0.6, 0.4  # Drive of the fingers that hold, and what a pull adds.
+PULL_RAD_S = 1.0  # Speed of fingers being opened that adds all of it.
 TOES = 0.6
 
 PALMAR = {f"{side} {what}": 0.0 for side in SIDES for what in ("grip", "pull")}
@@ -40,3 +36,27 @@ def plantar_grasp(sensed: Sensed, state: State) -> tuple[Drives, State]:
         kept[f"{side} grip"] = grip = sensed.hold(state[f"{side} grip"], pressed, HOLD_S)
         drives[f"{side} toe flexion"] = TOES * grip
     return drives, kept
+
+
+REFLEXES = (
+    Reflex(
+        "palmar_grasp",
+        "pressure in the palm",
+        "fingers close, and tighten when they are pulled",
+        AgeWindow(loss_months=(3, 6)),
+        ("touch",),
+        "secondary sources: 3-4, and 4-6 months",
+        palmar_grasp,
+        PALMAR,
+    ),
+    Reflex(
+        "plantar_grasp",
+        "pressure on the ball of the foot",
+        "toes curl",
+        AgeWindow(loss_months=(6, 12)),
+        ("touch",),
+        "secondary sources",
+        plantar_grasp,
+        PLANTAR,
+    ),
+)

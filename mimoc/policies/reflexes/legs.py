@@ -2,18 +2,15 @@
 
 import math
 
-from mimoc.policies.reflexes.movements import SIDES
-from mimoc.policies.reflexes.reflex import Drives, State
-from mimoc.policies.reflexes.sensing import Sensed
+from mimoc.policies.reflexes.reflex import AgeWindow, Drives, Reflex, State
+from mimoc.policies.reflexes.sensing import SIDES, Sensed
 
 UPRIGHT_LEAST, UPRIGHT_FULL = 0.6, 0.8
 """Upward part of the trunk's axis from which on an infant is upright, and wholly so. Ours."""
 SOLE_LEAST, SOLE_FULL = 0.005, 0.03
 """Force on both soles that is noticed, and that makes steps fastest, as shares of the body's weight. Ours."""
-SETTLE_S = 0.5
-"""Time constant in which stepping sets in."""
-SLOWEST, FASTEST = 5.0, 20.0
-"""Steps in a minute; the literature has 5-20 in newborns."""
+SETTLE_S = 0.5  # Time constant in which stepping sets in.
+SLOWEST, FASTEST = 5.0, 20.0  # Steps in a minute; the literature has 5-20 in newborns.
 LIFT_FROM, LIFT_FULL = 0.3, 0.8
 """Sine of the rhythm at which a leg begins to lift, and lifts fully: a leg lifts for two fifths of its cycle. Ours."""
 LIFT, BEND, TOES_UP, SUPPORT = 0.8, 0.6, 0.3, 0.3
@@ -67,3 +64,27 @@ def placing(sensed: Sensed, state: State) -> tuple[Drives, State]:
 def upright(sensed: Sensed):
     """Return how upright infants are, from 0 to 1."""
     return sensed.clip((sensed.up[2] - UPRIGHT_LEAST) / (UPRIGHT_FULL - UPRIGHT_LEAST))
+
+
+REFLEXES = (
+    Reflex(
+        "stepping",
+        "held upright, soles on a surface",
+        "legs lift in turn, 5-20 steps a minute",
+        AgeWindow(loss_months=(2, 4)),
+        ("touch", "vestibular"),
+        "secondary sources; steps a minute from memory",
+        stepping,
+        STEPPING,
+    ),
+    Reflex(
+        "placing",
+        "held upright, the back of a foot touches an edge",
+        "hip and knee bend, and the foot is put down on top",
+        AgeWindow(loss_months=(2, 4)),
+        ("touch", "vestibular"),
+        "secondary sources; ages vary",
+        placing,
+        PLACING,
+    ),
+)

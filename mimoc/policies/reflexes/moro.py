@@ -1,23 +1,17 @@
 """Moro reflex: when the head drops back, or all of the body falls, the arms spread and then come back."""
 
 from mimoc.base.units import GRAVITY_M_S2
-from mimoc.policies.reflexes.movements import SIDES
-from mimoc.policies.reflexes.reflex import Drives, State
-from mimoc.policies.reflexes.sensing import Sensed
+from mimoc.policies.reflexes.reflex import AgeWindow, Drives, Reflex, State
+from mimoc.policies.reflexes.sensing import SIDES, Sensed
 
-DROP_RAD = 0.26
-"""Drop of the head that sets it off, 15 degrees; the examiner lets it drop by 20 to 30 degrees."""
-DROP_S = 0.5
-"""Time constant in which a drop is forgotten: slower turns do nothing."""
+DROP_RAD = 0.26  # Drop of the head that sets it off, 15 degrees; the examiner lets it drop by 20 to 30 degrees.
+DROP_S = 0.5  # Time constant in which a drop is forgotten: slower turns do nothing.
 DROPS, FALLS, FALL_S = 0.9, 0.4, 0.05
 """Specific force, as a share of gravity, below which a head that turns back drops instead of being moved, and below
 which all of the body falls; and the time constant in which that is noticed. Ours."""
-SPREAD_S, EMBRACE_S = 0.4, 1.5
-"""Length of the two phases; the literature has .3-.5 s and 1-2 s."""
-AGAIN_S = 3.0
-"""Time after which it can be set off again. Ours."""
-SPREAD, EMBRACE = 0.9, 0.4
-"""Drives of the two phases. Ours."""
+SPREAD_S, EMBRACE_S = 0.4, 1.5  # Length of the two phases; the literature has .3-.5 s and 1-2 s.
+AGAIN_S = 3.0  # Time after which it can be set off again. Ours.
+SPREAD, EMBRACE = 0.9, 0.4  # Drives of the two phases. Ours.
 
 START = {"drop": 0.0, "fall": 0.0, "since": 100.0}
 
@@ -48,3 +42,17 @@ def moro(sensed: Sensed, state: State) -> tuple[Drives, State]:
         for movement in ("shoulder adduction", "arm forwards", "elbow flexion"):
             drives[f"{side} {movement}"] = EMBRACE * comes_back
     return drives, {"drop": drop, "fall": fall, "since": since}
+
+
+REFLEXES = (
+    Reflex(
+        "moro",
+        "the head drops back, or all of the body falls",
+        "arms spread, elbows and fingers straighten (.3-.5 s), then arms come back and bend (1-2 s)",
+        AgeWindow(loss_months=(4, 6)),
+        ("vestibular",),
+        "secondary sources; times from memory",
+        moro,
+        START,
+    ),
+)

@@ -20,10 +20,8 @@ class AgeWindow:
     and is gone at the upper.
     """
 
-    onset_months: tuple[float, float] | None = None
-    """None: whole at birth."""
-    loss_months: tuple[float, float] | None = None
-    """None: it stays."""
+    onset_months: tuple[float, float] | None = None  # None: whole at birth.
+    loss_months: tuple[float, float] | None = None  # None: it stays.
 
     def gain(self, age_months: Any) -> Any:
         """Return the gain at an age, or at ages, of NumPy: from 0 to 1."""
@@ -37,10 +35,9 @@ class AgeWindow:
         return gain
 
 
-State = Mapping[str, Any]
-"""What a reflex remembers of k infants: arrays of shape (k,), by name."""
+State = Mapping[str, Any]  # What a reflex remembers of k infants: arrays of shape (k,), by name.
 Drives = Mapping[str, Any]
-"""How much of each movement (`mimoc.policies.reflexes.movements`) it commands, from 0 to 1, shape (k,)."""
+"""How much of each movement (`mimoc.policies.reflexes.binding`) it commands, from 0 to 1, shape (k,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,17 +45,13 @@ class Reflex:
     """A reflex: when infants have it, what sets it off, and what it does."""
 
     name: str
-    stimulus: str
-    """What sets it off, in a few words."""
-    response: str
-    """What the infant does then, in a few words."""
+    stimulus: str  # What sets it off, in a few words.
+    response: str  # What the infant does then, in a few words.
     ages: AgeWindow
-    senses: tuple[str, ...]
-    """The senses that it needs; without one of them, it does nothing."""
+    senses: tuple[str, ...]  # The senses that it needs; without one of them, it does nothing.
     source: str
     """Where ages and response are from, and so how far they can be relied on; "memory" is still to be checked."""
     run: Callable[[Sensed, State], tuple[Drives, State]]
     """Returns the drives of a control step and what is remembered, for what is sensed. It does not branch on values: it
     runs on k infants at once, with NumPy or torch."""
-    start: Mapping[str, float] = field(default_factory=dict)
-    """What is remembered when an episode begins."""
+    start: Mapping[str, float] = field(default_factory=dict)  # What is remembered when an episode begins.

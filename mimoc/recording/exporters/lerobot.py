@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from mimoc.recording.blocks import Array, Reading
+from mimoc.recording.columns import Array, Reading
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.video import SMALL, Mp4
 
@@ -97,7 +97,6 @@ def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
 
 
 def _feature(reading: Reading) -> str:
-    """Return what an array of the observation is called: proprioception is the state of the robot."""
     if reading.kind == "picture":
         return IMAGES + reading.name
     return STATE if reading.name == "proprioception" else f"observation.{reading.name}"
@@ -137,7 +136,6 @@ def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
 
 
 def _write_pictures(out: Path, recording: ReadRecording, eye: Reading, stats: Sequence[dict[str, Any]]) -> None:
-    """Write the pictures of all episodes as one video, and add their statistics to those of each episode."""
     path = out / "videos" / _feature(eye) / f"{FILE}.mp4"
     path.parent.mkdir(parents=True)
     video = Mp4(path, recording[0].described.rate_hz, SMALL)

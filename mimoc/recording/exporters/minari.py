@@ -16,15 +16,14 @@ from gymnasium.envs.registration import EnvSpec
 
 from mimoc.base.errors import MissingExtraError, counted
 from mimoc.bundle.io import Bundle
-from mimoc.recording.blocks import Reading
+from mimoc.recording.columns import Reading
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.runtime.actuation import command_range
 from mimoc.schema import source
 
 INFANT, RESOLVED = "mimoc/Infant-v0", "resolved.yaml"
 """The environment of any infant, and the file of a bundle that holds its whole spec."""
-HOME = "MINARI_DATASETS_PATH"
-"""Environment variable that says where Minari's data sets are."""
+HOME = "MINARI_DATASETS_PATH"  # Environment variable that says where Minari's data sets are.
 
 
 def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:

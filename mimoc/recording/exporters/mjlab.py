@@ -49,7 +49,6 @@ class _Film:
         self._rows: dict[str, list[Any]] = {}
 
     def __call__(self, env: Infant, observation: Observation) -> None:
-        """Keep a frame."""
         if env.model is not self._model:
             self._bind(env)
         model, data = env.model, self._data

@@ -8,11 +8,9 @@ from typing import ClassVar
 from mimoc.base.quantities.quantity import Quantity
 from mimoc.render.plots.plot import Numbers, Plot, Range, Ticks
 
-DECIMALS = 1
-"""Of coordinates, in units of the drawing, which are pixels on most screens."""
+DECIMALS = 1  # Of coordinates, in units of the drawing, which are pixels on most screens.
 
-Point = tuple[float, float]
-"""Right and down, in units of the drawing."""
+Point = tuple[float, float]  # Right and down, in units of the drawing.
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +18,10 @@ class Shape:
     """A line, an area, a dot or a text."""
 
     tag: str
-    kind: str
-    """Classes of the style sheet; of a text, `start`, `middle` or `end` says which end of it is at the point."""
+    kind: str  # Classes of the style sheet; of a text, `start`, `middle` or `end` says which end of it is at the point.
     places: tuple[tuple[str, str], ...]
     text: str = ""
-    titles: tuple[str, ...] = ()
-    """What is said while a pointer rests on it, if anything."""
+    titles: tuple[str, ...] = ()  # What is said while a pointer rests on it, if anything.
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +29,9 @@ class Drawing:
     """An SVG."""
 
     template: ClassVar[str] = "report/drawing.svg.j2"
-    title: str
-    """What it shows, for those who cannot see it."""
+    title: str  # What it shows, for those who cannot see it.
     size: Point
-    shapes: Sequence[Shape]
-    """Those behind first."""
+    shapes: Sequence[Shape]  # Those behind first.
     kind: str = "plot"
 
     @property
@@ -84,10 +78,8 @@ def label(at: Point, text: str, kind: str) -> Shape:
 
 WIDTH, HEIGHT = 340.0, 220.0
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 14.0, 26.0, 34.0
-NOTES = 30.0
-"""Margin at the right where texts beside points need room."""
-MARGIN = 0.05
-"""Room beyond the data at either end, as a share of its range."""
+NOTES = 30.0  # Margin at the right where texts beside points need room.
+MARGIN = 0.05  # Room beyond the data at either end, as a share of its range.
 MOST_TICKS = 6
 MINUS = "\u2212"
 

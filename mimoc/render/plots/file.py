@@ -28,15 +28,12 @@ FORMATS: Mapping[str, dict[str, None] | None] = {
 }
 """Metadata to remove for each file format, so that the same plots give the same bytes."""
 LEGEND_PX, CAPTION_PX = 60, 70
-SMALL_PX = 400
-"""Width below which plots have no labels of their axes but what is drawn upwards as their title."""
-MAX_COLUMNS = 7
-"""Maximum number of columns of a legend."""
+SMALL_PX = 400  # Width below which plots have no labels of their axes but what is drawn upwards as their title.
+MAX_COLUMNS = 7  # Maximum number of columns of a legend.
 COLOURS, DARKEST, LIGHTEST = "viridis", 0.0, 0.88
 """A colour map that is suitable for colour-blind readers and stays ordered in grey, and its range that is visible on
 white."""
-MARKERS = "osv^DPX<>"
-"""Of labels in rows."""
+MARKERS = "osv^DPX<>"  # Of labels in rows.
 BLUE, RED, GREY = "#33669a", "#c8431f", "#6f6f6f"
 """Colours that colour-blind readers can distinguish, also in grey."""
 LOOKS: Mapping[str, dict[str, Any]] = {

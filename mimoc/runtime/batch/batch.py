@@ -1,24 +1,231 @@
 """Simulations side by side in threads, whose senses are read as arrays of all their infants."""
 
+import os
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
+from queue import SimpleQueue
+from threading import Lock
 from typing import Any
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.runtime.batch.physics import ThreadedPhysics
-from mimoc.runtime.batch.senses import BatchSense, Read
-from mimoc.runtime.control_step import ControlStep, MergedSegment
-from mimoc.runtime.delays.schedule import Segment, arrived
+from mimoc.base.classes import class_name
+from mimoc.base.kinds import function_of
+from mimoc.bundle.model import BREAKDOWNS
+from mimoc.runtime.contract import check_rows
+from mimoc.runtime.delays.schedule import ControlStep, MergedSegment, Segment, arrived
 from mimoc.runtime.delays.signals import DelayedSamples
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.sense import FloatArray, Observation
+from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense, Vector
 from mimoc.runtime.simulation import Simulation
-from mimoc.runtime.worlds import worlds_of_many
+from mimoc.runtime.term import differing_field, stack_terms, take_rows
+from mimoc.runtime.worlds import Worlds, worlds_of_many
+from mimoc.schema.kinds import SENSES
+
+
+class ThreadedPhysics:
+    """The simulations of n infants.
+
+    MuJoCo lets go of Python's lock while it steps, so threads of one process use all cores.
+    """
+
+    def __init__(self, models: Sequence[mujoco.MjModel], datas: Sequence[mujoco.MjData], threads: int | None = None):
+        self.models, self.datas = list(models), list(datas)
+        self.threads = threads or usable_threads()
+        self._pool: ThreadPoolExecutor | None = None
+        self._process = 0
+        self._views: dict[str, list[FloatArray]] = {}
+        self._warnings = [data.warning.number for data in datas]
+
+    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Generator[Sequence[int], None, None]:
+        """Make physics steps of some infants; yield each group of them as soon as all of it has made them.
+
+        While the caller works on a group, other threads go on with the next ones.
+        """
+        return self._share(partial(self._step_one, steps=steps), groups)
+
+    def in_threads(self, function: Callable[[int], Sample], infants: Sequence[int]) -> list[Sample]:
+        """Return what a function returns for some infants, called in any thread."""
+        samples: dict[int, Sample] = {}
+
+        def call(infant: int) -> None:
+            samples[infant] = function(infant)
+
+        for _ in self._share(call, [infants]):
+            pass
+        return [samples[infant] for infant in infants]
+
+    def _share(
+        self, function: Callable[[int], None], groups: Sequence[Sequence[int]]
+    ) -> Generator[Sequence[int], None, None]:
+        """Call a function for some infants in all threads; yield each group of them as soon as all of it is done."""
+        waiting = ((infant, group) for group, infants in enumerate(groups) for infant in infants)
+        turn, done = Lock(), [SimpleQueue[int]() for _ in groups]
+
+        def call_next() -> bool:
+            """Do the next infant that no thread has taken yet; return whether there was one."""
+            with turn:
+                infant, group = next(waiting, (None, 0))
+            if infant is not None:
+                try:
+                    function(infant)
+                finally:  # Whoever waits for an infant that failed would wait forever.
+                    done[group].put(infant)
+            return infant is not None
+
+        def call_all() -> None:
+            while call_next():
+                pass
+
+        futures = self._help(call_all, min(self.threads, sum(map(len, groups))) - 1)
+        try:
+            for finished, infants in zip(done, groups, strict=True):
+                while finished.qsize() < len(infants) and call_next():
+                    pass
+                for _ in infants:
+                    finished.get()
+                yield infants
+        finally:  # Also if the caller fails meanwhile: nobody steps an infant behind its back.
+            for future in futures:
+                future.result()
+
+    def array(self, field: str, infants: Sequence[int]) -> FloatArray:
+        """Return a field of `MjData` whose size never changes, such as `qpos`, of k infants that are alike."""
+        if field not in self._views:
+            self._views[field] = [getattr(data, field) for data in self.datas]
+        views = [self._views[field][infant] for infant in infants]
+        return np.concatenate(views).reshape(len(views), *views[0].shape)
+
+    def are_unstable(self) -> list[bool]:
+        """Return of each infant whether its simulation has become unstable since its reset; see `is_unstable`."""
+        counts = np.concatenate(self._warnings).reshape(len(self.datas), -1)
+        return [any(warnings) for warnings in counts[:, BREAKDOWNS].tolist()]
+
+    def replace(self, infant: int, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Put another model and state in place of an infant's, as when it has grown."""
+        self.models[infant], self.datas[infant] = model, data
+        self._warnings[infant] = data.warning.number
+        for field, views in self._views.items():
+            views[infant] = getattr(data, field)
+
+    def close(self) -> None:
+        """End the threads; closing twice is fine."""
+        if self._pool:
+            self._pool.shutdown()
+
+    def _help(self, function: Callable[[], None], helpers: int) -> list[Future[None]]:
+        """Call a function in other threads, too; a forked process gets threads of its own, as it has none at first."""
+        if helpers > 0 and self._process != os.getpid():
+            self._pool, self._process = ThreadPoolExecutor(self.threads - 1), os.getpid()
+        return [self._pool.submit(function) for _ in range(helpers)] if self._pool else []
+
+    def _step_one(self, infant: int, steps: int) -> None:
+        """Make physics steps of one infant; where MuJoCo cannot, it has broken down."""
+        data = self.datas[infant]
+        try:
+            mujoco.mj_step(self.models[infant], data, steps)
+        except mujoco.FatalError:
+            data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number += 1
+
+
+def usable_threads() -> int:
+    """Return how many threads this process may run at once: in a container, fewer than there are cores."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+Read = Callable[[Worlds], Sequence[Sample]]
+"""Returns the samples of the k infants that it is for, from their worlds: new arrays, or rows of one."""
+SIZES = (
+    *("nq", "nv", "na", "nu", "nbody", "njnt", "ngeom", "nsite", "ncam", "nlight", "ntendon", "nmocap", "neq"),
+    *("nsensordata", "nuserdata"),
+)
+"""Sizes of a model that determine the shapes of the fields of `MjData`."""
+
+
+class BatchSense:
+    """A sense of n infants, which has the same name for all."""
+
+    def __init__(self, name: str, senses: Sequence[Sense], models: Sequence[mujoco.MjModel], physics: ThreadedPhysics):
+        """Find out which infants can be read together: those with terms of equal addresses in models of equal size."""
+        self._name, self._senses, self._physics = name, senses, physics
+        self.kinds = _kinds(senses, models)
+        """A number for each infant; infants with the same number can be read together."""
+        self._stacked: dict[int, tuple[list[int], Any]] = {}
+        """The infants of each kind that has terms, in order, and the term of all of them."""
+        for kind in set(self.kinds):
+            members = [infant for infant, other in enumerate(self.kinds) if other == kind]
+            terms: list[Any] = [senses[infant].term for infant in members]
+            if terms[0] is not None:
+                self._stacked[kind] = members, stack_terms(terms)
+        self._bounds = None
+        if all(isinstance(sense, Vector) and type(sense).observe is Vector.observe for sense in senses):
+            vectors: Sequence[Any] = senses
+            self._bounds = [np.stack([getattr(sense, bound) for sense in vectors]) for bound in ("low", "high")]
+
+    def reader(self, infants: Sequence[int]) -> Read:
+        """Return what reads some infants of one kind."""
+        senses: list[Any] = [self._senses[infant] for infant in infants]
+        if senses[0].term is not None:
+            members, stacked = self._stacked[self.kinds[infants[0]]]
+            term = take_rows(stacked, np.searchsorted(members, infants))
+            return partial(_rows, self._name, term, len(infants))
+        together = SENSES[self._name].many if self._name in SENSES else None
+        if together and (read := function_of(together, "join")(senses)):
+            return read
+        if all(sense.reads_in_threads for sense in senses):
+            in_threads, numbers = self._physics.in_threads, range(len(senses))
+            return lambda worlds: in_threads(lambda number: senses[number](worlds.datas[number]), numbers)
+        return lambda worlds: [sense(data) for sense, data in zip(senses, worlds.datas, strict=True)]
+
+    def observe(self, samples: Sequence[Sample]) -> Observation:
+        """Return what each of the n agents sees of a sample, as new arrays with a leading axis of n."""
+        if self._bounds:
+            low, high = self._bounds
+            observed = np.concatenate(samples).reshape(low.shape)
+            np.maximum(observed, low, out=observed)
+            np.minimum(observed, high, out=observed)
+            return {self._name: observed.astype(np.float32)}
+        spaces, count = self._senses[0].spaces, len(samples)
+        observation = {name: np.empty((count, *space.shape), space.dtype) for name, space in spaces.items()}
+        for index, (sense, sample) in enumerate(zip(self._senses, samples, strict=True)):
+            sense.write(sample, {name: array[index] for name, array in observation.items()})
+        return observation
+
+
+def _rows(name: str, term: Any, infants: int, worlds: Worlds) -> list[Sample]:
+    """Return what the stacked term of a sense measures of each of some infants."""
+    samples = list(term(worlds))
+    if len(samples) != infants:
+        check_rows(f"sense '{name}': the term {class_name(term)}", np.array(samples), infants)
+    return samples
+
+
+def _kinds(senses: Sequence[Sense], models: Sequence[mujoco.MjModel]) -> list[int]:
+    """Return a number for each infant, which is the same for those that can be read together."""
+    firsts: list[tuple[Sense, tuple[int, ...]]] = []
+    kinds: list[int] = []
+    for sense, model in zip(senses, models, strict=True):
+        sizes = tuple(getattr(model, name) for name in SIZES)
+        alike = (number for number, first in enumerate(firsts) if first[1] == sizes and _is_alike(first[0], sense))
+        kinds.append(next(alike, len(firsts)))
+        if kinds[-1] == len(firsts):
+            firsts.append((sense, sizes))
+    return kinds
+
+
+def _is_alike(first: Sense, other: Sense) -> bool:
+    if first.term is None or other.term is None:
+        return first.term is other.term
+    return differing_field([first.term, other.term]) is None
+
 
 LEAST = 16
 """Number of worlds from which on they are cut into two groups: one is sampled while the other makes physics steps."""
@@ -31,8 +238,7 @@ class Sampling:
     name: str
     infants: tuple[int, ...]
     read: Read
-    delayed: Sequence[tuple[DelayedSamples, ...]]
-    """The delays that the sample of each infant goes into."""
+    delayed: Sequence[tuple[DelayedSamples, ...]]  # The delays that the sample of each infant goes into.
     is_noisy: bool
 
 
@@ -41,8 +247,7 @@ class Plan:
     """How a part of a control step is worked through."""
 
     groups: Sequence[Sequence[int]]
-    samplings: Sequence[Sequence[Sampling]]
-    """Senses that are sampled of the infants of each group at its end."""
+    samplings: Sequence[Sequence[Sampling]]  # Senses that are sampled of the infants of each group at its end.
 
 
 class Batch:

@@ -6,7 +6,6 @@ from typing import Any, TypeGuard
 import numpy as np
 import numpy.typing as npt
 from gymnasium import Space
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -18,14 +17,11 @@ from mimoc.runtime.actuation import numbers_of
 from mimoc.runtime.arousal import checked_arousal
 from mimoc.runtime.growing import options_given
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.spaces import with_limit
+from mimoc.runtime.spaces import limited_spec
 
-RESET_MASK = "reset_mask"
-"""Gymnasium's option that says which environments are reset."""
-Infos = dict[int, dict[str, Any]]
-"""Of each infant that has one."""
-FINAL = "final_obs"
-"""What an infant saw last, which is not put into arrays."""
+RESET_MASK = "reset_mask"  # Gymnasium's option that says which environments are reset.
+Infos = dict[int, dict[str, Any]]  # Of each infant that has one.
+FINAL = "final_obs"  # What an infant saw last, which is not put into arrays.
 
 
 def seeds_of(seed: int | Sequence[int | None] | None, count: int) -> list[int | None]:
@@ -87,17 +83,12 @@ def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
 class InfantVectorEnv(VectorEnv[Any, Any, Any]):
     """What vector environments of infants on the CPU and on a device have in common."""
 
-    _spec: EnvSpec | None = None
-
-    def _limited_spec(self) -> EnvSpec | None:
-        """What Gymnasium says of it, if that has made it, with the limit of all episodes, if that is the same."""
+    def _limits(self) -> set[int | None]:
+        """Return the limit of all episodes, if that is the same."""
         limits = {min((steps for steps in (own, self._limit) if steps is not None), default=None) for own in self._own}
-        return with_limit(self._spec, *(limits if len(limits) == 1 else ()))
+        return limits if len(limits) == 1 else set()
 
-    def _set_spec(self, spec: EnvSpec | None) -> None:
-        self._spec = spec
-
-    spec: Any = property(_limited_spec, _set_spec)
+    spec: Any = limited_spec(_limits)
 
     def _describe(
         self,
@@ -107,15 +98,7 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
         mode: AutoresetMode,
         limit: int | None,
     ) -> None:
-        """Say what is commanded and observed.
-
-        Args:
-            metadata: That of a single environment.
-            infants: The different ones; the first stands for all in what must be the same.
-            spaces: What each of all infants observes; bounds may depend on strength, and so on age.
-            mode: When an infant whose episode has ended is reset.
-            limit: Control steps after which any episode is truncated.
-        """
+        """Say what is commanded and observed; the first infant stands for all, but for their *spaces*."""
         self._limit, self._own = limit, tuple(infant.max_steps for infant in infants)
         self.autoreset_mode, self.num_envs = mode, len(spaces)
         self.metadata = {**metadata, "autoreset_mode": mode}
@@ -181,8 +164,7 @@ def joined_infos(infos: Infos, count: int) -> dict[str, Any]:
     return joined
 
 
-SHOWN = 4
-"""Names that an error gives of those in which infants differ."""
+SHOWN = 4  # Names that an error gives of those in which infants differ.
 
 
 class BatchMismatchError(MimocError):

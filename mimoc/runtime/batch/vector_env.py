@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from mimoc.base.classes import described
 from mimoc.render.picture_files import Picture, in_rows
 from mimoc.render.renderer import SharedRenderers, sharing
 from mimoc.runtime.batch.batch import Batch
@@ -51,14 +52,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         max_episode_steps: int | None = None,
         schedule: AgeSchedule | None = None,
     ):
-        """Open environments and join them.
-
-        Args:
-            openers: What opens each, at least one; the eyes of all share OpenGL contexts.
-            threads: How many to use, or all that this process may use.
-            autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
-            max_episode_steps: Control steps after which any episode is truncated, as by Gymnasium's `TimeLimit`.
-            schedule: From the number of control steps that an infant has taken to its age in months, if they grow.
+        """Open environments and join them; the eyes of all share OpenGL contexts.
 
         Raises:
             BatchMismatchError: If they do not sense and command the same.
@@ -117,10 +111,6 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             seed: Infant i is reset with `seed + i`, or with the i-th of a list.
             options: Those of `InfantEnv.reset`; a value is for all infants, or, as a list or an array, one for each,
                 where None is none.
-
-        Raises:
-            UnknownNameError: If there is no such pose or option.
-            ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
         """
         count = self.num_envs
         which = reset_indices(options, count)
@@ -139,14 +129,9 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         return self._batch.observe(), infos
 
     def step(self, actions: npt.NDArray[np.float32]) -> Stepped:
-        """Apply an action of each infant for one control step; those whose episode has ended are reset instead.
+        """Apply an action of each infant, shape (n, actuators), for one control step, clipped to the action space.
 
-        Args:
-            actions: Shape (n, actuators); values outside the action space are clipped.
-
-        Raises:
-            ValueError: If the actions have the wrong shape or are not finite.
-            ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
+        Infants whose episode has ended are reset instead; with `Disabled` resets, `ResetNeeded` is raised.
         """
         observation, rewards, terminated, truncated, infos = self.step_each(actions)
         return observation, rewards, terminated, truncated, joined_infos(infos, self.num_envs)
@@ -205,15 +190,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             self._ended[rows] = True
 
     def grow(self, to: float | Sequence[float | None] | npt.NDArray[Any]) -> Observation:
-        """Let infants have other ages from now on, in the midst of their episodes; return what they observe.
-
-        Args:
-            to: The new age of all, in months, or, as a list or an array, one for each, where None is as old as now.
-
-        Raises:
-            ValueError: If an age is none from 0 to 24 months, or a list has not one value for each infant.
-            MimocError: If there is no such infant; those before it have grown.
-        """
+        """Let infants have other ages from now on, in months: one for all, or one for each; None is that of now."""
         options = options_of({AGE: to}, self.num_envs)
         with sharing(self._renderers):
             for world, simulation in enumerate(self.simulations):
@@ -223,24 +200,12 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         return self._batch.observe()
 
     def grow_by(self, schedule: AgeSchedule) -> None:
-        """Let all infants grow by a schedule from now on, as by `mimoc.GrowthWrapper`; a reset must follow.
-
-        Args:
-            schedule: From the number of control steps that an infant has taken so far to its age in months, such as
-                `mimoc.growth_schedule` returns.
-        """
+        """Let all infants grow by a schedule from now on, as by `mimoc.GrowthWrapper`; a reset must follow."""
         for world in self.simulations:
             world.grow_by(dict.fromkeys(world.infants, schedule))
 
     def set_arousal(self, levels: float | Sequence[float] | npt.NDArray[Any]) -> None:
-        """Change the arousal of infants for the rest of their episodes; see `InfantEnv.set_arousal`.
-
-        Args:
-            levels: That of all, or, as a list or an array, one for each.
-
-        Raises:
-            ValueError: If one is none from 0 to 2, or a list has not one for each; nothing has changed then.
-        """
+        """Change the arousal, from 0 to 2, of all infants or of each, for the rest of their episodes."""
         for infant, level in zip(self.infants, arousals_of(levels, self.num_envs), strict=True):
             infant.set_arousal(level)
 
@@ -250,13 +215,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
             world.steps_done = steps_done
 
     def render(self) -> Picture | None:  # pyright: ignore[reportIncompatibleMethodOverride] - One picture of all.
-        """Return a picture of all worlds in rows, in render mode `rgb_array`, otherwise None.
-
-        `call("render")` returns a picture for each infant.
-
-        Raises:
-            RenderingError: If OpenGL is not available.
-        """
+        """Return a picture of all worlds, in render mode `rgb_array`; `call("render")` returns one for each infant."""
         pictures: list[Any] = [env.render() for env in self._envs]
         return in_rows(pictures) if self.render_mode == "rgb_array" else None
 
@@ -270,11 +229,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         return tuple(getattr(infant, name) for infant in self.infants)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Set an attribute of each infant, to its value of a list or a tuple, or to the same value.
-
-        Raises:
-            ValueError: If a list has not one value for each.
-        """
+        """Set an attribute of each infant, to its value of a list or a tuple, or to the same value."""
         values = values if isinstance(values, (list, tuple)) else [values] * self.num_envs
         for infant, value in zip(self.infants, values, strict=True):
             setattr(infant, name, value)
@@ -284,7 +239,7 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         return [env.get_state() if isinstance(env, InfantEnv) else env.simulation.get_state() for env in self._envs]
 
     def set_state(self, states: Sequence[dict[str, Any]]) -> Observation:
-        """Restore the state of each world, whose episode has not ended; return what the infants observe.
+        """Restore the state of each world; return what the infants observe.
 
         Raises:
             ValueError: If there are not as many states as worlds, or one is that of a different infant; nothing has
@@ -355,11 +310,29 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         self._batch.refresh()
 
 
-BOUND = {"closed", "_envs", "_renderers", "_batch"}
-"""Attributes that are not copied but made anew."""
+BOUND = {"closed", "_envs", "_renderers", "_batch"}  # Attributes that are not copied but made anew.
 
 
 def _restored(kind: type[Opened], kept: dict[str, Any]) -> Opened:
     env = kind.__new__(kind)
     env.__setstate__(kept)
     return env
+
+
+def infants_of(function: str, env: Any) -> dict[str, Infant]:
+    """Return the infants of an environment on the CPU, by name.
+
+    The name of the only infant is empty; infants of a world have their own names, and those of a vector environment
+    their numbers, from 0. The error of any other environment names the *function* that was called.
+    """
+    inside = getattr(env, "unwrapped", env)
+    if isinstance(inside, InfantEnv):
+        return {"": inside}
+    if isinstance(inside, WorldEnv):
+        return dict(inside.infants)
+    if isinstance(inside, BatchEnv):
+        return {str(number): infant for number, infant in enumerate(inside.infants)}
+    several = [env.unwrapped for env in getattr(inside, "envs", ())]
+    if several and all(isinstance(infant, InfantEnv) for infant in several):
+        return {str(number): infant for number, infant in enumerate(several)}
+    raise TypeError(f"{function}: expected an environment of mimoc's on the CPU, got {described(inside)}")

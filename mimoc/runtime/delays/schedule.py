@@ -3,26 +3,26 @@
 Signals on their way keep their content and their order while the delays of a growing infant change.
 """
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.state_form import check_form, checked_list, demand
+from mimoc.base.state_form import check_form, checked_list, require
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.model import out_of_memory
 from mimoc.runtime.actuation import Actuation, numbers_of
 from mimoc.runtime.companion import Companions
-from mimoc.runtime.delays.signals import DelayedCommands, DelayedSamples, carry_on
-from mimoc.runtime.delays.timing import Timing, within
-from mimoc.runtime.noise.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
+from mimoc.runtime.contract import check_sense
+from mimoc.runtime.delays.signals import DelayedCommands, DelayedSamples, Timing, carry_on, within
+from mimoc.runtime.noise import NoiseStreams, NoisyMotors, bind_motor_noise, is_disturbed, noise_of
 from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
-from mimoc.runtime.sense_contract import check_sense
-from mimoc.runtime.voice import LOW, Voice
+from mimoc.runtime.sound import VOICE_LOW, Voice
 
 
 @dataclass(frozen=True)
@@ -55,14 +55,14 @@ class Schedule:
         streams = streams or NoiseStreams(0)
         self._model, self._senses, self._actuation, self._period = model, senses, actuation, timing.period
         self.companions = companions or Companions({}, streams)
-        self._samples = {
+        self.samples = {
             name: timing.samples(name, None if sense.bodies is None else within(model, sense.bodies), streams)
             for name, sense in senses.items()
         }
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
         self._commands = timing.commands(within(model, moved), actuation.actuators, streams)
         self._voice, self._width = voice, len(actuation.low)
-        self._spoken = timing.further_commands(self._width, len(LOW), streams) if voice else []
+        self._spoken = timing.further_commands(self._width, len(VOICE_LOW), streams) if voice else []
         self._commands += self._spoken
         self._noisy = {
             name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
@@ -72,7 +72,7 @@ class Schedule:
             noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
         self._is_checked = False
-        self._jittered = [line for delayed in self._samples.values() for line in delayed if line.delay.jitter]
+        self._jittered = [line for delayed in self.samples.values() for line in delayed if line.delay.jitter]
         is_jittered = self._jittered or any(commands.delay.jitter for commands in self._commands)
         self._segments = None if is_jittered else self._cut()
 
@@ -82,7 +82,7 @@ class Schedule:
             self._motor_noise.reset(data)
         for noise in self._noisy.values():
             noise.reset()
-        for name, delayed in self._samples.items():
+        for name, delayed in self.samples.items():
             sample = self.disturb(name, self._senses[name](data), data)
             if not self._is_checked:
                 check_sense(name, self._senses[name], sample)
@@ -99,8 +99,8 @@ class Schedule:
         if self._voice is None:
             return self._actuation.controls(action, data)
         numbers = numbers_of(action)
-        if numbers.shape != (self._width + len(LOW),) or not np.isfinite(numbers).all():
-            shape = (self._width + len(LOW),)
+        if numbers.shape != (self._width + len(VOICE_LOW),) or not np.isfinite(numbers).all():
+            shape = (self._width + len(VOICE_LOW),)
             raise ValueError(f"expected a finite action of shape {shape}, got {numbers!r:.60} of shape {numbers.shape}")
         return np.concatenate([self._actuation.controls(numbers[: self._width], data), numbers[self._width :]])
 
@@ -146,11 +146,6 @@ class Schedule:
             for line in delayed:
                 line.send(sample)
 
-    @property
-    def samples(self) -> Mapping[str, Sequence[DelayedSamples]]:
-        """The samples of each sense on their way, by their delays."""
-        return self._samples
-
     def is_noisy(self, name: str) -> bool:
         """Return whether the samples of a sense have noise."""
         return name in self._noisy
@@ -163,14 +158,14 @@ class Schedule:
         """Return the samples that have arrived as an observation of new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe(arrived(self._samples[name])))
+            observation.update(sense.observe(arrived(self.samples[name])))
         return observation
 
     @property
     def state(self) -> dict[str, Any]:
         """The samples that have arrived, all signals on their way, and the noise."""
         return {
-            "senses": {name: [line.state for line in delayed] for name, delayed in self._samples.items()},
+            "senses": {name: [line.state for line in delayed] for name, delayed in self.samples.items()},
             "commands": [commands.state for commands in self._commands],
             "noise": {name: noise.state for name, noise in self._noisy.items()},
             "motor_noise": self._motor_noise and self._motor_noise.state,
@@ -179,7 +174,7 @@ class Schedule:
 
     @state.setter
     def state(self, state: Mapping[str, Any]) -> None:
-        for name, delayed in self._samples.items():
+        for name, delayed in self.samples.items():
             for line, kept in zip(delayed, state["senses"][name], strict=True):
                 line.state = kept
         for commands, kept in zip(self._commands, state["commands"], strict=True):
@@ -193,7 +188,7 @@ class Schedule:
 
     def check(self, state: Mapping[str, Any], time_s: float) -> None:
         """Check the signals on their way in a state, and that no noise was drawn after a time of the simulation [s]."""
-        for name, delayed in self._samples.items():
+        for name, delayed in self.samples.items():
             where = f"signals.senses.{name}"
             for line, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
                 line.check(kept, where)
@@ -205,12 +200,12 @@ class Schedule:
             commands.check(kept, where)
         for name in self._noisy:
             drawn_s = state["noise"][name][0]
-            demand(drawn_s <= time_s, f"signals.noise.{name}", drawn_s)
+            require(drawn_s <= time_s, f"signals.noise.{name}", drawn_s)
 
     def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
         """Go on with the signals on their way in the same infant at another age, whose schedule is left as it is."""
-        for name, delayed in self._samples.items():
-            carry_on(delayed, former._samples[name])
+        for name, delayed in self.samples.items():
+            carry_on(delayed, former.samples[name])
         carry_on(self._commands, former._commands)
         if self._voice and former._voice:
             self._voice.commanded = former._voice.commanded.copy()
@@ -224,7 +219,7 @@ class Schedule:
 
     def _cut(self) -> tuple[Segment, ...]:
         """Return the segments of a control step; noise of commands and companions need each physics step."""
-        sampled = {after for delayed in self._samples.values() for line in delayed for after in line.sampled_after}
+        sampled = {after for delayed in self.samples.values() for line in delayed for after in line.sampled_after}
         applied = {after for commands in self._commands for after in commands.applied_after}
         single = range(self._period) if self._motor_noise or self.companions else ()
         cuts = sorted({0, self._period, *sampled, *applied, *single})
@@ -234,7 +229,7 @@ class Schedule:
                 physics_steps=end - start,
                 samples=tuple(
                     (name, due)
-                    for name, delayed in self._samples.items()
+                    for name, delayed in self.samples.items()
                     if (due := tuple(line for line in delayed if end in line.sampled_after))
                 ),
             )
@@ -250,3 +245,73 @@ def arrived(delayed: Sequence[DelayedSamples]) -> Sample:
         for line in delayed[1:]:
             sample[line.part] = line.arrived[line.part]
     return sample
+
+
+Key = TypeVar("Key", bound=Hashable)
+
+
+@dataclass(frozen=True, slots=True)
+class MergedSegment(Generic[Key]):
+    """A part of a control step in which no infant's command arrives and no sense is sampled.
+
+    anna    |--- 2 ---|--- 2 ---|
+    ben     |-- 1 -|----- 3 ----|
+    merged  |  1   |1 |    2    |
+    """
+
+    begun: Sequence[tuple[Key, Segment]]  # The segments that begin at its start, with their infants.
+    physics_steps: int
+    ended: Sequence[tuple[Key, Segment]]  # The segments that end at its end, likewise.
+
+
+def merge_segments(segments: Mapping[Key, Sequence[Segment]]) -> list[MergedSegment[Key]]:
+    """Return the segments of some infants, whose control steps are as long as each other's, side by side."""
+    begun: defaultdict[int, list[tuple[Key, Segment]]] = defaultdict(list)
+    ended: defaultdict[int, list[tuple[Key, Segment]]] = defaultdict(list)
+    for infant, parts in segments.items():
+        time = 0
+        for segment in parts:
+            begun[time].append((infant, segment))
+            time += segment.physics_steps
+            ended[time].append((infant, segment))
+    cuts = sorted({*begun, *ended})
+    return [MergedSegment(begun[start], end - start, ended[end]) for start, end in pairwise(cuts)]
+
+
+class ControlStep(Generic[Key]):
+    """Goes through control steps of some infants, cut wherever a command of one arrives or one of its senses is due.
+
+    These are all infants of one simulation; `BatchStep` is for those of many.
+    """
+
+    def __init__(self, schedules: Mapping[Key, Schedule], datas: Mapping[Key, mujoco.MjData]):
+        """Join the schedules of infants, whose control steps are equally long, and the states that they are in."""
+        self._schedules, self._datas = schedules, datas
+        self._data = next(iter(datas.values()))
+        self._model = self._data.model
+        self._segments: dict[Key, tuple[Segment, ...]] = {}
+        self._parts: Sequence[MergedSegment[Key]] = ()
+
+    def __call__(self, controls: Mapping[Key, FloatArray]) -> None:
+        """Go through a control step of some infants with these controls; see `Schedule.controls`."""
+        schedules, datas = self._schedules, self._datas
+        segments = {key: schedules[key].begin(given) for key, given in controls.items()}
+        if segments != self._segments:  # Without jitter, they are the same objects in each control step.
+            self._segments, self._parts = segments, merge_segments(segments)
+            self._plan(self._parts)
+        for number, part in enumerate(self._parts):
+            for key, segment in part.begun:
+                schedules[key].command(segment, datas[key])
+            self._simulate(number, part)
+
+    def _plan(self, parts: Sequence[MergedSegment[Key]]) -> None:
+        """Prepare for the parts of the control steps to come."""
+
+    def _simulate(self, number: int, part: MergedSegment[Key]) -> None:
+        """Make the physics steps of a part, and sample what is due at its end."""
+        try:
+            mujoco.mj_step(self._model, self._data, part.physics_steps)
+        except mujoco.FatalError as error:
+            raise out_of_memory(error) from None
+        for key, segment in part.ended:
+            self._schedules[key].sample(segment, self._data)

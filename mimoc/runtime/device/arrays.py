@@ -97,3 +97,20 @@ def present(device: wp.Device) -> Iterator[None]:
     """Let a device be Warp's present one, where torch works on Warp's stream, so that each waits for the other."""
     with wp.ScopedDevice(device), torch.cuda.stream(wp.stream_to_torch(device)) if device.is_cuda else nullcontext():
         yield
+
+
+@contextmanager
+def only_warnings() -> Iterator[None]:
+    """Let Warp say nothing of its kernels meanwhile."""
+    kept, wp.config.log_level = wp.config.log_level, wp.LOG_WARNING
+    try:
+        yield
+    finally:
+        wp.config.log_level = kept
+
+
+def most_memory_mb(device: Any) -> float | None:
+    """Return the most memory that PyTorch and Warp have had on one of Warp's devices; None on the CPU."""
+    if not device.is_cuda:
+        return None
+    return (torch.cuda.max_memory_reserved(wp.device_to_torch(device)) + wp.get_mempool_used_mem_high(device)) / 1e6

@@ -20,8 +20,7 @@ in 20 steps, with this one by less than 1e-6 (measured at seven ages; 1e-10 is n
 NOT_COMPARED = {"opt", "callback", "block_dim", "dof_length", "nkey"}
 """Fields that may differ: the first three are no numbers of a body, and `opt` is compared by itself; only sleeping uses
 `dof_length`, and it is off; nothing uses `nkey`."""
-KEYFRAMES = "key_"
-"""How the fields of keyframes begin; a table of starts has them instead."""
+KEYFRAMES = "key_"  # How the fields of keyframes begin; a table of starts has them instead.
 SHAPES = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
 BATCHED = {name for name, shape in SHAPES.items() if isinstance(shape, tuple) and shape[:1] == ("*",)}
 """Fields that can be another in each world."""

@@ -20,8 +20,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import IntArray
 from mimoc.runtime.worlds import Worlds
 
-FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
-"""The bit of each flag."""
+FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}  # The bit of each flag.
 HARMLESS = int(mjw.OverflowType.EPA_HORIZON | mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS)
 LOSING = int(mjw.OverflowType.ALL) & ~HARMLESS
 NOT_FINITE, NO_REWARD, OVERFLOWED, ROWS, PAIRS, COUNTS = range(6)
@@ -31,8 +30,7 @@ more; then, of how many infants each flag was set, by its bit."""
 LENGTH = COUNTS + max(FLAGS.values()) + 1
 SHARED = [COUNTS + FLAGS[name] for name in ("broadphase", "narrowphase", "ccd")]
 """Places of the flags of the lists that all worlds share."""
-OWN = [COUNTS + FLAGS[name] for name in ("nefc", "njmax_nnz")]
-"""Places of the flags of the rows that each world has."""
+OWN = [COUNTS + FLAGS[name] for name in ("nefc", "njmax_nnz")]  # Places of the flags of the rows that each world has.
 
 
 def is_losing(worlds: Worlds) -> torch.Tensor:
@@ -63,20 +61,13 @@ SPARE_CONTACTS, SPARE_CONSTRAINTS = 1.5, 2.0
 All worlds share the room for contacts, and the mean infant needs 60 to 65 % of what that one does; each has its own
 rows of constraints, of which some infant needs 1.4 to 1.6 times as many in 42,000 physics steps as in the 1,400 that
 are tried (measured supine at seven ages, with mitten hands and five fingers)."""
-LARGEST = 8.0
-"""Factor between the same and the room at most."""
-FULL = 0.8
-"""Share of the room from which on it grows, mostly before anything is lost."""
-GROWTH = 1.5
-"""Factor between what was needed, or what was there if that is more, and the new room."""
-RARE = 0.01
-"""Share of the infants that may lose contacts in a control step when the room cannot grow; they begin anew."""
-STEPS = 200
-"""Physics steps for which each infant moves at random."""
-HELD = 20
-"""Physics steps for which it holds each command: long enough for limbs to hit something."""
-BODIES = 8
-"""Number of bodies that are tried, evenly among all; infants of one topology need about the same."""
+LARGEST = 8.0  # Factor between the same and the room at most.
+FULL = 0.8  # Share of the room from which on it grows, mostly before anything is lost.
+GROWTH = 1.5  # Factor between what was needed, or what was there if that is more, and the new room.
+RARE = 0.01  # Share of the infants that may lose contacts in a control step when the room cannot grow; they begin anew.
+STEPS = 200  # Physics steps for which each infant moves at random.
+HELD = 20  # Physics steps for which it holds each command: long enough for limbs to hit something.
+BODIES = 8  # Number of bodies that are tried, evenly among all; infants of one topology need about the same.
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +83,7 @@ class Room:
     """The room in each of some worlds."""
 
     present: Capacity
-    largest: Capacity
-    """How far it grows."""
+    largest: Capacity  # How far it grows.
     worlds: int
 
     @classmethod

@@ -22,8 +22,7 @@ from mimoc.runtime.task import CustomTask, Task
 from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
 
-TOO_MUCH = 1e10
-"""Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""
+TOO_MUCH = 1e10  # Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL).
 NEVER = 2**31 - 1
 
 

@@ -26,8 +26,7 @@ STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart", FORCES)
 """Fields of a state that an episode begins with; the first physics step computes all others."""
 Start = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]
 """Fields, what the task remembers, and samples at a start."""
-StartOptions = str
-"""Options of a reset that decide on starts, `pose` and `objects`, as JSON with sorted keys."""
+StartOptions = str  # Options of a reset that decide on starts, `pose` and `objects`, as JSON with sorted keys.
 AS_BUILT: StartOptions = "{}"
 BITS_32 = 2**32 - 1
 
@@ -35,10 +34,8 @@ BITS_32 = 2**32 - 1
 class Table(NamedTuple):
     """Some numbers of a world at each start."""
 
-    values: torch.Tensor
-    """Shape (starts, rows, ...)."""
-    rows: Any = ...
-    """Which rows of a world's numbers these are; by default, all."""
+    values: torch.Tensor  # Shape (starts, rows, ...).
+    rows: Any = ...  # Which rows of a world's numbers these are; by default, all.
 
     def write(self, start: torch.Tensor, array: torch.Tensor) -> None:
         """Write to the numbers of the worlds that begin with a start, shape (worlds,); -1 is none."""
@@ -49,15 +46,11 @@ class Table(NamedTuple):
 class InitialStates:
     """All starts of all bodies with the same options, those of a body side by side."""
 
-    first: torch.Tensor
-    """The first one of the body in each world, shape (worlds,)."""
-    count: torch.Tensor
-    """How many that body has, shape (worlds,)."""
-    fields: Mapping[str, Table]
-    """Fields of the state, and of the model where episodes change them."""
+    first: torch.Tensor  # The first one of the body in each world, shape (worlds,).
+    count: torch.Tensor  # How many that body has, shape (worlds,).
+    fields: Mapping[str, Table]  # Fields of the state, and of the model where episodes change them.
     memory: Mapping[str, Table]
-    samples: dict[str, torch.Tensor]
-    """What each sense measures at the start, shape (starts, n)."""
+    samples: dict[str, torch.Tensor]  # What each sense measures at the start, shape (starts, n).
 
     def restore(
         self, start: torch.Tensor, model: mjw.Model, data: mjw.Data, memory: Mapping[str, torch.Tensor] = NOTHING

@@ -35,26 +35,19 @@ class Part(NamedTuple):
     """Numbers of a signal with a common delay, which depends on the infant."""
 
     columns: Rows
-    delay: torch.Tensor
-    """In physics steps, shape (worlds,)."""
-    first: torch.Tensor
-    """When the signal with the number 0 is sent, shape (worlds,)."""
-    slots: torch.Tensor
-    """How many slots are used, shape (worlds,)."""
-    ring: torch.Tensor
-    """What is on its way, shape (slots, worlds, columns)."""
-    rows_by_rest: dict[int, Rows]
-    """The worlds whose delay can take some physics steps more than whole control steps."""
-    channel: torch.Tensor
-    """Which of the deviations of each world is added to its delay, shape (worlds,)."""
+    delay: torch.Tensor  # In physics steps, shape (worlds,).
+    first: torch.Tensor  # When the signal with the number 0 is sent, shape (worlds,).
+    slots: torch.Tensor  # How many slots are used, shape (worlds,).
+    ring: torch.Tensor  # What is on its way, shape (slots, worlds, columns).
+    rows_by_rest: dict[int, Rows]  # The worlds whose delay can take some physics steps more than whole control steps.
+    channel: torch.Tensor  # Which of the deviations of each world is added to its delay, shape (worlds,).
 
 
 class Delays(NamedTuple):
     """The delays of the n numbers of a signal, in physics steps; shape (n,), or (bodies, n)."""
 
     steps: IntArray
-    jitter: IntArray
-    """How far the delay varies at most."""
+    jitter: IntArray  # How far the delay varies at most.
     channel: IntArray
     """Numbers of one channel vary together: 0, and 1 for those in the legs where they have a delay of their own."""
 

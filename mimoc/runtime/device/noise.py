@@ -1,4 +1,4 @@
-"""Noise on a device: the terms of the CPU (`mimoc.runtime.noise.noise`), with other random numbers.
+"""Noise on a device: the terms of the CPU (`mimoc.runtime.noise`), with other random numbers.
 
 Each random number is a function of the seed of its world, of how often that has gone on to other numbers since, and of
 a place. So they depend neither on the other worlds nor on the order in which kernels run.
@@ -15,16 +15,12 @@ from mimoc.runtime.batch.gymnasium_forms import mixture_error
 from mimoc.runtime.device.arrays import term_of_worlds, where_worlds
 from mimoc.runtime.device.lines import Uniforms
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.noise.noise import Draw, Noise, bind_motor_noise, is_disturbed, processing_of
-from mimoc.schema.delays import MOTOR
-from mimoc.schema.noise import noise_keys
+from mimoc.runtime.noise import Draw, Noise, bind_motor_noise, is_disturbed, processing_of
+from mimoc.schema.senses import MOTOR, noise_keys
 
-PLACES = 1 << 23
-"""How many random numbers a channel has at a time."""
-CHANNELS = 128
-"""How many channels of noise there are at most; the places of others are behind theirs."""
-SEEDS = 2**31
-"""How many different seeds worlds can have."""
+PLACES = 1 << 23  # How many random numbers a channel has at a time.
+CHANNELS = 128  # How many channels of noise there are at most; the places of others are behind theirs.
+SEEDS = 2**31  # How many different seeds worlds can have.
 
 
 class CounterRandom:

@@ -14,16 +14,16 @@ from gymnasium.spaces import Box, Dict
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import Code, function_of
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.runtime.custom_sense import CustomSense
-from mimoc.runtime.delays.timing import timing_of, within
+from mimoc.runtime.delays.signals import timing_of, within
 from mimoc.runtime.device.arrays import put, term_of_worlds
 from mimoc.runtime.device.lines import DelayLine, Delays
 from mimoc.runtime.device.noise import CounterRandom, noise_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import IntArray, Sense
+from mimoc.runtime.senses import CustomSense
 from mimoc.runtime.worlds import Worlds
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.delays import MOTOR
+from mimoc.schema.kinds import SENSES
+from mimoc.schema.senses import MOTOR
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,9 @@ class DeviceSetup:
     """What the device part of a sense is bound to: the different bodies, and which of them lives in each world."""
 
     infants: Sequence[InfantEnv]
-    body: torch.Tensor
-    """The body that lives in each world, shape (worlds,)."""
+    body: torch.Tensor  # The body that lives in each world, shape (worlds,).
     model: mjw.Model
-    touch: str
-    """How touch is told: the option of the environment."""
+    touch: str  # How touch is told: the option of the environment.
 
 
 class DeviceReader(Protocol):

@@ -1,6 +1,8 @@
 """The worlds of all infants on a device: one control step of all of them, without a word to the CPU."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import pairwise
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -12,11 +14,10 @@ from gymnasium.vector import AutoresetMode
 
 from mimoc.base.units import ms_to_s, to_steps
 from mimoc.runtime.arousal import FIELDS, MOST, ToneInModels, tone_of
-from mimoc.runtime.device.arrays import device_worlds, put, where_worlds
+from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds, where_worlds
 from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, place_fixed
-from mimoc.runtime.device.bound import Bound
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NO_REWARD, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
-from mimoc.runtime.device.episode_ends import EpisodeEnds
+from mimoc.runtime.device.episode_ends import DeviceTask, EpisodeEnds
 from mimoc.runtime.device.initial_states import (
     AS_BUILT,
     InitialStates,
@@ -25,14 +26,61 @@ from mimoc.runtime.device.initial_states import (
     changed_rows,
     sample_initial_states,
 )
-from mimoc.runtime.device.noise import CounterRandom
-from mimoc.runtime.device.signals import DeviceError, DeviceSetup
-from mimoc.runtime.device.states import PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
+from mimoc.runtime.device.noise import CounterRandom, DeviceNoise, noise_of
+from mimoc.runtime.device.signals import DeviceError, DeviceSense, DeviceSetup, line_of, space_of
+from mimoc.runtime.device.states import HISTORY, PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import IntArray
+from mimoc.schema.senses import MOTOR
 
-NO_MEMORY = "Failed to allocate"
-"""What Warp says when the memory of a device does not do."""
+
+class Bound:
+    """The senses, commands and tasks of all infants."""
+
+    def __init__(self, setup: DeviceSetup, chance: CounterRandom):
+        """Find what is sensed and commanded, with its delays and noise, which draw from *chance*."""
+        infants, first = setup.infants, setup.infants[0]
+        self.infants, self.body = infants, setup.body
+        """The different bodies, and which of them lives in each world, shape (worlds,)."""
+        self.task = DeviceTask(infants, setup.body)
+        self.senses = {name: DeviceSense(name, setup, chance) for name in first.senses}
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(infants)]
+        """What each of the bodies observes."""
+        self.actuators = put(first.actuation.actuators)
+        self.commands = line_of(MOTOR, setup, len(self.actuators), chance, [None] * len(infants))
+        commands: list[Any] = [infant.actuation.command for infant in infants]
+        self.controls_of: Any = commands[0] and term_of_worlds("commands", commands, setup.body)
+        self.motor_noise = noise_of(MOTOR, infants, setup.body, chance)
+        period = to_steps(first.manifest.step_ms, first.manifest.timestep_ms)
+        sampled = {int(period - rest) for sense in self.senses.values() for rest in sense.line.rests}
+        applied = {int(rest) for rest in self.commands.rests}
+        noisy = range(period) if self.motor_noise else ()
+        self.segments = tuple(pairwise(sorted({0, period, *sampled, *applied, *noisy})))
+        """The physics steps between two of which nothing but physics happens."""
+
+    @property
+    def noises(self) -> dict[str, DeviceNoise]:
+        """The noise of each signal that has any."""
+        noises = {name: sense.noise for name, sense in self.senses.items()} | {MOTOR: self.motor_noise}
+        return {name: noise for name, noise in noises.items() if noise}
+
+    def slots(self, clock: torch.Tensor) -> dict[Path, Slot]:
+        """Return what infants remember, and the signals on their way at a time."""
+        lines = {name: sense.line for name, sense in self.senses.items()} | {MOTOR: self.commands}
+        memory = {name: in_place(values) for name, values in self.task.memory.items()}
+        sent = {name: line.slot(clock) for name, line in lines.items()}
+        deviations = {name: Slot(partial(getattr, line, "deviations"), line.deviate) for name, line in lines.items()}
+        noise = {name: attribute(noise, "state") for name, noise in self.noises.items()}
+        return {
+            **dict(nested(memory, "task")),
+            **dict(nested(sent, *HISTORY)),
+            **dict(nested(deviations, "signals", "deviations")),
+            **dict(nested(noise, "signals", "noise")),
+            ("signals", "commanded"): in_place(self.commands.arrived),
+        }
+
+
+NO_MEMORY = "Failed to allocate"  # What Warp says when the memory of a device does not do.
 
 
 class DeviceBatch:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 
-from mimoc.base.state_form import check_form, demand
+from mimoc.base.state_form import check_form, require
 from mimoc.runtime.growing import AGE, SEED
 
 PHYSICS = (
@@ -14,12 +14,10 @@ PHYSICS = (
     *("mocap_pos", "mocap_quat", "userdata", "cvel"),
 )
 """Fields of a simulation that its next steps depend on; MuJoCo Warp's welds read `cvel` before it is computed anew."""
-Path = tuple[str, ...]
-"""The names that lead to a part of a state."""
+Path = tuple[str, ...]  # The names that lead to a part of a state.
 Kept = dict[Path, torch.Tensor | None]
 """All that the next steps of all worlds depend on, shape (worlds, ...); None for noise without a state."""
-HISTORY = "signals", "sent"
-"""What the paths of histories of delay lines begin with."""
+HISTORY = "signals", "sent"  # What the paths of histories of delay lines begin with.
 
 
 class Slot(NamedTuple):
@@ -88,7 +86,7 @@ def check_states(states: Any, kept: Kept) -> None:
         for signal, like in valid["signals"][HISTORY[1]].items():
             place = f"{where}.{'.'.join(HISTORY)}.{signal}"
             sent = _at(state, (*HISTORY, signal))
-            demand(isinstance(sent, np.ndarray) and sent.ndim == like.ndim and len(sent) > 0, place, sent)
+            require(isinstance(sent, np.ndarray) and sent.ndim == like.ndim and len(sent) > 0, place, sent)
             check_form(sent, like[[0] * len(sent)], place)
 
 

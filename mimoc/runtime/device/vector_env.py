@@ -33,8 +33,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given
 
 CARRIED = ("physics", "model", "arousal")
-STARTS = 256
-"""InitialStates that are drawn of each infant whose episodes begin with chance."""
+STARTS = 256  # InitialStates that are drawn of each infant whose episodes begin with chance.
 
 
 @closable()
@@ -123,15 +122,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             seed: Infant i is reset with `seed + i`, or with the i-th of a list.
             options: `pose` and `objects`, one for all; `arousal`, `age_months` and, if infants were made from specs,
                 `scene_seed`, for all or, as a list or an array, for each, where None is none; and `reset_mask`.
-
-        Raises:
-            TypeError: If the options are no dictionary.
-            ValueError: If a seed is not a non-negative integer, an arousal is none from 0 to 2, an age none from 0 to
-                24 months, a list has not one value for each infant, or an object would be inside of something.
-            UnknownNameError: If there is no such pose or option.
-            MimocError: If there is no such infant, or it cannot live beside the others; nothing has changed then.
-            ClosedEnvironmentError: If the environment is closed.
-            DeviceError: If something went wrong in the step before.
         """
         options = options_given(options)
         has_objects = all(infant.manifest.objects for infant in self.infants)
@@ -162,15 +152,9 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             }
 
     def set_arousal(self, levels: Any) -> None:
-        """Change the arousal of infants for the rest of their episodes.
+        """Change the arousal of infants for the rest of their episodes: one for all, or one for each, shape (n,).
 
-        Args:
-            levels: That of all, or of each, shape (n,): of NumPy, or on the device of any library that knows DLPack,
-                where what is beyond 0 and 2 is clipped.
-
-        Raises:
-            ValueError: If one of NumPy's is none from 0 to 2, or there is not one for each infant.
-            ClosedEnvironmentError: If the environment is closed.
+        Arrays on the device, of any library that knows DLPack, are clipped to 0 and 2; NumPy's are checked.
         """
         with present(self.device):
             if not hasattr(levels, "__dlpack__") or isinstance(levels, (np.ndarray, np.generic)):
@@ -185,11 +169,8 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
                 the action space are clipped.
 
         Raises:
-            ValueError: If the actions have the wrong shape, or NumPy's are not finite.
-            ClosedEnvironmentError: If the environment is closed.
             DeviceError: If contacts or constraints of more than 1 % of the infants did not fit in the step before and
                 the room for them cannot grow, or if actions were not finite.
-            ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
         with present(self.device):
             self.worlds.settle()
@@ -218,18 +199,10 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         return dict(self.worlds.overflows)
 
     def grow(self, to: Any) -> dict[str, Any]:
-        """Let infants have other ages from now on, in the midst of their episodes; return what they observe.
+        """Let infants have other ages from now on, in the midst of their episodes; see `BatchEnv.grow`.
 
         They go on as on the CPU (`InfantEnv.grow`), which brings each of them into its new body: some milliseconds.
         Where infants first differ in something that they had in common, physics steps are captured again.
-
-        Args:
-            to: The new age of all, in months, or, as a list or an array, one for each, where None is as old as now.
-
-        Raises:
-            ValueError: If an age is none from 0 to 24 months, or a list has not one value for each infant.
-            MimocError: If there is no such infant, or it cannot live beside the others; nothing has changed then.
-            DeviceError: If something went wrong in the step before.
         """
         assignment = self.assignment.become(options_of({AGE: to}, self.num_envs))
         with present(self.device):
@@ -263,12 +236,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
         On a CPU device, all later steps are exactly as they would have been from there; on a GPU, which adds up in any
         order, in single precision. The state of one infant can be given to others of the same parts. Choices of starts
-        go on as in the first one.
-
-        Raises:
-            ValueError: If there are not as many states as infants, or one cannot be restored here; nothing has changed
-                then.
-            MimocError: If there is no such infant, or it cannot live beside the others; likewise.
+        go on as in the first one. If anything is wrong with a state, nothing has changed.
         """
         with present(self.device):
             kept = kept_in(self.worlds.slots())
@@ -284,11 +252,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             return self._observed()
 
     def __reduce__(self) -> Any:
-        """Refuse copies and pickles.
-
-        Raises:
-            TypeError: Always.
-        """
+        """Refuse copies and pickles."""
         raise TypeError(
             "infants on a device cannot be copied or pickled; keep what get_state returns, and give it to set_state of "
             "a new environment of the same infants"

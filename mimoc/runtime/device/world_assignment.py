@@ -10,7 +10,7 @@ import numpy as np
 
 from mimoc.base.errors import MimocError
 from mimoc.base.kinds import function_of
-from mimoc.base.state_form import demand
+from mimoc.base.state_form import require
 from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant
 from mimoc.runtime import growing
@@ -20,9 +20,8 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.objects import Objects
 from mimoc.runtime.sense import IntArray, Sense
 from mimoc.runtime.spaces import check_same_space
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.object_base import names_of
-from mimoc.schema.object_moves import checked_moves
+from mimoc.schema.kinds import SENSES
+from mimoc.schema.objects import checked_moves, names_of
 
 Find = Callable[[InfantEnv, Any], Variant | None]
 """Returns the infant with the age and the scene of options or of a state, or None if it has these already."""
@@ -36,7 +35,7 @@ def variant_of_options(infant: InfantEnv, options: Mapping[str, Any]) -> Variant
 
 def variant_of_state(infant: InfantEnv, state: Any) -> Variant | None:
     """Return the infant that a state is of; see `growing.variant_of_state`."""
-    demand(isinstance(state, Mapping) and {growing.AGE, growing.SEED} <= state.keys(), "", state)
+    require(isinstance(state, Mapping) and {growing.AGE, growing.SEED} <= state.keys(), "", state)
     return infant.simulation.find_in_state({"": state[growing.AGE]}, state[growing.SEED])
 
 
@@ -112,24 +111,12 @@ def check_start(infant: InfantEnv, options: Mapping[str, Any]) -> None:
 class WorldAssignment:
     """Which infant each world simulates."""
 
-    infants: tuple[InfantEnv, ...]
-    """The different ones, each at the ages and in the scenes that some world has it at."""
-    body: IntArray
-    """Which of them it is, shape (worlds,)."""
-    source: IntArray
-    """Of which infant that the environment was made of it is an age, shape (worlds,)."""
+    infants: tuple[InfantEnv, ...]  # The different ones, each at the ages and in the scenes that some world has it at.
+    body: IntArray  # Which of them it is, shape (worlds,).
+    source: IntArray  # Of which infant that the environment was made of it is an age, shape (worlds,).
 
     def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = variant_of_options) -> "WorldAssignment":
-        """Return the assignment once infants have other ages and scenes; nothing has changed if that fails.
-
-        Args:
-            wanted: `age_months` and `scene_seed` for each world; those that are missing stay as they are.
-            find: Finds that infant.
-
-        Raises:
-            ValueError: If these are not an age and a seed.
-            MimocError: If there is no such infant.
-        """
+        """Return the assignment once worlds have the `age_months` and `scene_seed` that are wanted."""
         if not any(map(_is_change, wanted)):
             return self
         made: dict[Any, InfantEnv] = {}

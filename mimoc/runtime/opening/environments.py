@@ -17,11 +17,10 @@ from mimoc.bundle.variants import Variant, Variants
 from mimoc.render.environment import check_rendering
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
-from mimoc.schema.components.folders import RECORDING
-from mimoc.schema.components.tasks import TASKS
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.kinds import RECORDING, TASKS
 from mimoc.schema.plugins import load_plugins
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.source import dump
 
 OPTIONS = ("render_mode", "width", "height", "task", "senses", "companions")
 """What can be said of an environment, besides which infant it is of."""
@@ -39,7 +38,7 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
             of a recording, such as `mimoc retarget` writes, stands for the infant that was recorded.
         options: For the environment: `render_mode`, `width`, `height`; `task`, an object whose rewards replace those of
             the infant's task (see `mimoc.runtime.task`); `senses`, a dictionary of objects to sense with besides the
-            infant's senses (see `mimoc.runtime.custom_sense`); `companions`, a dictionary of objects that act in its
+            infant's senses (see `mimoc.runtime.senses`); `companions`, a dictionary of objects that act in its
             world besides the infant (see `mimoc.runtime.companion`); and `max_episode_steps` for Gymnasium.
 
     Raises:
@@ -75,10 +74,7 @@ def check_source(function: str, source: object) -> None:
 def open_infant(
     bundle: Bundle | InfantSpec | Mapping[str, Any] | str | Path | None = None, **options: Any
 ) -> InfantEnv:
-    """Return the environment of an infant, without Gymnasium's wrappers; see `make`.
-
-    Here the keys of a spec are enough, so that a data set can say in JSON what it was recorded of.
-    """
+    """Return the environment of an infant, or of the keys of a spec, without Gymnasium's wrappers; see `make`."""
     if bundle is None:
         raise MimocError(f"{NO_INFANT}; or take the average child of a task: mimoc/Reach-v0 with age_months=9")
     check_options(options)
@@ -138,11 +134,6 @@ def make_task(
         hands: Hands of that child: `mitten`, if left out, or `five_finger`.
         actuation: Actuation model of that child; `torque` if left out.
         options: For the environment; and keys of the task, such as `steps` and `hand`.
-
-    Raises:
-        BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
-        SpecError: If there is no such child, or it cannot do this task.
-        MimocError: If a bundle is given, and an age, hands or an actuation model as well.
     """
     parts, rest = prepared_task(kind, bundle, age_months=age_months, hands=hands, actuation=actuation, **options)
     check_options(rest)

@@ -18,10 +18,8 @@ if TYPE_CHECKING:  # They need PettingZoo and Stable-Baselines3, which not every
 
 WorldSource = WorldBundle | WorldPlan | Mapping[str, InfantSpec] | str | Path
 """What a world can be made of: a bundle, a folder, a file, or infants by name."""
-OPTIONS = ("render_mode", "width", "height", "tasks", "senses", "companions")
-"""What can be said of an environment."""
-KEYS = ("name", "scene")
-"""What can be said of a world, besides which infants live in it."""
+OPTIONS = ("render_mode", "width", "height", "tasks", "senses", "companions")  # What can be said of an environment.
+KEYS = ("name", "scene")  # What can be said of a world, besides which infants live in it.
 WORLD = "the bundle of a world, its folder, the path of its .yaml file, or specs by the names of infants"
 
 

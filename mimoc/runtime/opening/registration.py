@@ -3,7 +3,7 @@
 from gymnasium.envs.registration import register, registry
 
 from mimoc.base.kinds import announced
-from mimoc.schema.components.tasks import TASKS
+from mimoc.schema.kinds import TASKS
 
 INFANT = "mimoc/Infant-v0"
 

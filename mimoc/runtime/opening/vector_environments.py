@@ -40,8 +40,7 @@ class Population(Protocol):
 
 Sources = Source | Sequence[Source] | Population
 RenderMode = Literal["rgb_array"] | None
-OBJECTS = ("task", "senses", "companions")
-"""Options that are objects of a script, which may draw."""
+OBJECTS = ("task", "senses", "companions")  # Options that are objects of a script, which may draw.
 
 
 def make_vec(
@@ -162,11 +161,7 @@ def _check_mode(render_mode: RenderMode) -> None:
 def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | DeviceEnv":
     """Return the vector environment of a task, as `gymnasium.make_vec("mimoc/Reach-v0", ...)` does.
 
-    Args:
-        kind: Name of the task.
-        num_envs: Number of infants.
-        options: Those of `make_vec`, and of `environments.make_task`; `bundle` and `age_months` can be lists, whose
-            values are repeated in turn.
+    Options are those of `make_vec` and `make_task`; values of lists as `bundle` and `age_months` are repeated in turn.
     """
     lists = {name: listed(options[name]) for name in ("bundle", "age_months") if name in options}
     prepared, rest, skin = [], options, None if options.get("device", "cpu") == "cpu" else False

@@ -33,11 +33,9 @@ class Outcome:
     """What came of an episode; fields of quantities over episodes are its attributes."""
 
     total_reward: float
-    steps: int
-    """Control steps."""
+    steps: int  # Control steps.
     success: bool
-    time_to_success_s: float | None
-    """Simulated time; None if it was not successful."""
+    time_to_success_s: float | None  # Simulated time; None if it was not successful.
 
 
 def measure(over: str, step: str, things: Sequence[object]) -> dict[str, Value]:

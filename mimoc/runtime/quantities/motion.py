@@ -17,8 +17,7 @@ from mimoc.runtime.worlds import Worlds
 class JointSpeed(Term):
     """Mean absolute velocity of the hinges, mean over j of |qvel_j|, shape (k,), [rad/s]."""
 
-    dofs: np.ndarray
-    """Degree of freedom of each hinge, shape (hinges,)."""
+    dofs: np.ndarray  # Degree of freedom of each hinge, shape (hinges,).
 
     def __call__(self, worlds: Worlds, *args: Any) -> Any:
         """Return it for k infants."""

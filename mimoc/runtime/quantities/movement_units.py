@@ -12,8 +12,7 @@ from mimoc.motion.point_recording import FloatArray, PointRecording
 
 IntArray = npt.NDArray[np.integer]
 
-MOVING_TRUNK_S = 0.25
-"""A limb that is faster moves."""
+MOVING_TRUNK_S = 0.25  # A limb that is faster moves.
 TRUNK_POINTS = "neck", "left_hip", "right_hip"
 
 

@@ -21,13 +21,14 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
 from mimoc.studies.bench.entrant import bound_policy, digests_of
-from mimoc.studies.bench.running import LIBRARIES, Progress, checked_file
+from mimoc.studies.bench.running import LIBRARIES, checked_file
 from mimoc.studies.bench.table import babybench_spec, bench_table
+from mimoc.studies.jobs import Progress
 
 SELF_TOUCH = "self_touch"
 EPISODES, STEPS, RANDOM_STEPS = 10, 1000, 10
 """Episodes of an evaluation, control steps of each, and random steps that come before an episode."""
-MOST_LOGS = 10_000  # Of so many last episodes is the score.
+MAX_LOGS = 10_000  # The score is that of at most this many last episodes.
 GEOMS = 34  # Geoms of BabyBench's infant that either hand can touch.
 HALF_FIELD_DEG = 15.0  # Angle at the eye within which a hand counts as looked at.
 SIDES = "right", "left"
@@ -47,7 +48,7 @@ class BabyBenchResults(Model):
     score: Real
     """The score by BabyBench's formula."""
     in_sight: Real | None = None
-    """Of hand regard, the score by where the eyes' cameras look."""
+    """The score of hand regard by where the eyes' cameras look; None for self-touch."""
     logs: tuple[Mapping[str, Whole | tuple[str, ...]], ...]
     """The log of each episode; the first is of the reset before the first episode, and does not count."""
     seeds: tuple[Whole, Whole]
@@ -225,7 +226,7 @@ def _logs_of(loggers: Sequence[TouchLog | RegardLog], steps: int) -> tuple[Log, 
 
 
 def _recent(logs: Sequence[Log]) -> Sequence[Log]:
-    return logs[max(1, len(logs) - MOST_LOGS) :]
+    return logs[max(1, len(logs) - MAX_LOGS) :]
 
 
 def _pair(eye: str, hand: str) -> str:

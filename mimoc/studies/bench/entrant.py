@@ -16,7 +16,7 @@ from mimoc.policies.spec import parse_policy
 from mimoc.runtime.env import InfantEnv
 from mimoc.studies.bench.table import Cell
 
-MOST_BYTES = 2**29  # Of a file of a policy that results name: 512 MB, as of any policy.
+MAX_BYTES = 2**29  # Largest file of a policy that results name: 512 MB, as for any policy.
 
 
 def text_for(text: str, cell: Cell) -> str:
@@ -64,7 +64,7 @@ def check_files(policy: str, texts: Iterable[str], recorded: Mapping[str, str]) 
 
 def _content(path: Path) -> bytes:
     try:
-        return read_regular_file(path, MOST_BYTES) or b""
+        return read_regular_file(path, MAX_BYTES) or b""
     except UnusableFileError as error:
         raise PolicyError(f"{path}: {error}") from None
 

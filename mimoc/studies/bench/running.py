@@ -1,24 +1,21 @@
 """Running the benchmark: what is finished outlives an interruption, and results can be scored again."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
 from contextlib import closing
 from pathlib import Path
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError, OutputError, PolicyError
-from mimoc.bundle.files import check_place, make_folder, remove, write_file
+from mimoc.bundle.files import check_place, make_folder, write_file
 from mimoc.compiler import pipeline
 from mimoc.recording.folder import versions
 from mimoc.runtime.env import InfantEnv
 from mimoc.studies.bench.entrant import bound_policy, check_files, digests_of, text_for
-from mimoc.studies.bench.results import BenchResults, differences, read_results
-from mimoc.studies.bench.scores import CellScores, score_cell
+from mimoc.studies.bench.scores import BenchResults, CellScores, differences, read_results, score_cell
 from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
-from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
+from mimoc.studies.jobs import JobStore, Progress, run_jobs
 
 LIBRARIES = ("mujoco", "numpy")
-Progress = Callable[[int, int], None]  # Called with the number of episodes done and their total.
 Job = tuple[Cell, str, int]  # A cell, the policy for it, and how many episodes there are.
 
 
@@ -60,23 +57,16 @@ def run_bench(
     out = checked_file(out)
     jobs = [(cell, text_for(policy, cell), episodes or cell.episodes) for cell in chosen_cells(tasks, ages_months)]
     files = digests_of(text for _, text, _ in jobs)
-    folder = out.parent / f"{out.name}.cells"
-    kept = {job: kept_file(folder, job[0].file_name, *job[1:], files, job[0].spec_text) for job in jobs}
-    results = {job: scores for job, file in kept.items() if (scores := read_kept(file, CellScores, below=out.parent))}
-    waiting = [job for job in jobs if job not in results]
-    for cell, text, _ in waiting:  # Before anything takes time or is written.
-        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
-            env.reset(seed=bench_table().seeds.test[0])
-            try:
-                bound_policy(env, text)
-            except MimocError as error:
-                raise PolicyError(f"{cell.name}: {error}") from None
-    total, done = sum(job[2] for job in jobs), sum(job[2] for job in results)
-    progress(done, total)
-    for job, scores in _scored(waiting, processes):
-        keep(kept[job], scores, below=out.parent)
-        results[job], done = scores, done + job[2]
-        progress(done, total)
+    store = JobStore(out.parent, f"{out.name}.cells", CellScores)
+    keys = [(cell.file_name, text, number, files, cell.spec_text) for cell, text, number in jobs]
+    finished = _counter(jobs, progress)
+
+    def score(places: Sequence[int]) -> Iterator[tuple[int, CellScores]]:
+        waiting = [jobs[place] for place in places]
+        _check(waiting)
+        return run_jobs(score_cell, waiting, processes)
+
+    results = store.complete(keys, score, finished)
     table = bench_table()
     entry = BenchResults(
         benchmark=table.benchmark,
@@ -84,10 +74,10 @@ def run_bench(
         policy_files=files,
         seeds=table.seeds.test,
         software=versions(LIBRARIES),
-        cells={job[0].name: results[job] for job in jobs},
+        cells={cell.name: scores for (cell, _, _), scores in zip(jobs, results, strict=True)},
     )
     write_file(out, entry.content)
-    remove(folder)
+    store.clear()
     return entry
 
 
@@ -105,9 +95,9 @@ def verify_bench(
     Args:
         path: File that `run_bench` wrote; the policy must be where it was, below the current folder.
         tasks: Names of the tasks to score again; all in the file if left out.
-        ages_months: Ages, likewise.
-        processes: As of `run_bench`.
-        progress: As of `run_bench`.
+        ages_months: Ages to score again; all in the file if left out.
+        processes: See `run_bench`.
+        progress: See `run_bench`.
         policy: The policy as it was named, if it is trusted to be elsewhere: outside of the current folder, nothing is
             read or imported that only the file names.
 
@@ -134,12 +124,11 @@ def verify_bench(
     if not chosen:
         raise MimocError(f"{path}: has no scores of these tasks and ages; leave out --tasks and --ages")
     jobs = [(cell, every[cell], results.cells[cell.name].episodes) for cell in chosen]
-    done, total = 0, sum(job[2] for job in jobs)
-    compared: dict[str, list[str]] = {}
-    for (cell, _, episodes), scores in _scored(jobs, processes):
-        compared[cell.name] = differences(results.cells[cell.name], scores)
-        done += episodes
-        progress(done, total)
+    finished, compared = _counter(jobs, progress), dict[str, list[str]]()
+    for place, scores in run_jobs(score_cell, jobs, processes):
+        name = chosen[place].name
+        compared[name] = differences(results.cells[name], scores)
+        finished(place)
     return {cell.name: compared[cell.name] for cell in chosen}
 
 
@@ -164,24 +153,24 @@ def checked_file(out: str | Path) -> Path:
     return path
 
 
-def _scored(jobs: Sequence[Job], processes: int) -> Iterator[tuple[Job, CellScores]]:
-    """Yield jobs with their scores, in the order in which they come; with one process, all in this one."""
-    if processes == 1 or len(jobs) < 2:
-        for job in jobs:
-            yield job, score_cell(*job)
-        return
-    with process_pool(min(processes, len(jobs))) as pool:
-        running = {pool.submit(_score, *job): job for job in jobs}
-        for future in as_completed(running):
-            scores = future.result()
-            if isinstance(scores, str):
-                raise PolicyError(scores)
-            yield running[future], scores
+def _check(jobs: Sequence[Job]) -> None:
+    """Check that policies fit their infants, before anything takes time or is written; raise a PolicyError if not."""
+    for cell, text, _ in jobs:
+        with closing(InfantEnv(pipeline.build(cell.spec))) as env:
+            env.reset(seed=bench_table().seeds.test[0])
+            try:
+                bound_policy(env, text)
+            except MimocError as error:
+                raise PolicyError(f"{cell.name}: {error}") from None
 
 
-def _score(cell: Cell, text: str, episodes: int) -> CellScores | str:
-    """Return scores, or what is wrong: errors of mimoc's do not travel between processes."""
-    try:
-        return score_cell(cell, text, episodes)
-    except MimocError as error:
-        return str(error)
+def _counter(jobs: Sequence[Job], progress: Progress) -> Callable[[int], None]:
+    """Return a function that counts the episodes of the job at a place as done."""
+    total, done = sum(episodes for _, _, episodes in jobs), 0
+
+    def finished(place: int) -> None:
+        nonlocal done
+        done += jobs[place][2]
+        progress(done, total)
+
+    return finished

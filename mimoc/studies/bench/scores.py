@@ -1,18 +1,21 @@
-"""The scores of a policy in one task at one age: success, return, effort, smoothness and likeness."""
+"""What a policy scores in one task at one age, results of whole policies as they stand in files, and their tables."""
 
+import html
 import json
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
 from hashlib import sha256
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
-from mimoc.base.errors import MovementError
+from mimoc.base.errors import BundleError, MovementError
+from mimoc.base.rounding import render_json
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import LOCK, digests
+from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file
 from mimoc.compiler import pipeline
 from mimoc.movement.filming import Film
 from mimoc.movement.measured import measure_movement
@@ -24,7 +27,7 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
 from mimoc.studies.bench.entrant import bound_policy
-from mimoc.studies.bench.table import Cell, bench_table
+from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
 from mimoc.studies.experiments.sensed_reaching import UNIT_M_S, Movement
 
 Z_95 = 1.959963984540054  # Quantile of the standard normal distribution for intervals of 95 %.
@@ -61,21 +64,10 @@ class CellScores(Model):
     """Digest of all states of all episodes."""
 
 
-@dataclass
-class _Tally:
-    """What is gathered over the episodes of a cell."""
-
-    returns: list[float] = field(default_factory=list)
-    successes: int = 0
-    efforts: list[float] = field(default_factory=list)
-    movements: list[Movement] = field(default_factory=list)
-    distances: list[float] = field(default_factory=list)
-    states: Any = field(default_factory=sha256)
-
-
 def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
     """Return the scores of a policy in the first test episodes; raise a MimocError if it does not fit, or fails."""
-    bundle, tally = pipeline.build(cell.spec), _Tally()
+    bundle, states, successes = pipeline.build(cell.spec), sha256(), 0
+    returns, efforts, movements, distances = list[float](), list[float](), list[Movement](), list[float]()
     with closing(InfantEnv(bundle)) as env:
         act = bound_policy(env, policy)
         for number in range(episodes):
@@ -91,32 +83,32 @@ def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
                     seen.watch(env)
                 observation, reward, terminated, truncated, info = env.step(act(generator, observation))
                 total, ended, success = total + float(reward), terminated or truncated, bool(info["is_success"])
-                tally.efforts.append(env.effort())
-                tally.states.update(env.data.qpos.tobytes() + env.data.qvel.tobytes())
+                efforts.append(env.effort())
+                states.update(env.data.qpos.tobytes() + env.data.qvel.tobytes())
                 paths_m.append(env.data.xipos[ends].copy())
-            tally.returns.append(total)
-            tally.successes += success
+            returns.append(total)
+            successes += success
             step_s, places_m = ms_to_s(env.manifest.step_ms), np.array(paths_m)
             for limb in range(len(ends)):
-                tally.movements += movements_in(places_m[:, limb], step_s)
+                movements += movements_in(places_m[:, limb], step_s)
             if cell.row.likeness:
-                tally.distances += _distance(seen)
+                distances += _distance(seen)
         has_goal = env.manifest.task.kind != NO_GOAL
-    count = len(tally.returns)
+    count = len(returns)
     inside = digests({name: content for name, content in bundle.files.items() if name != LOCK})
     return CellScores(
         bundle=f"sha256:{sha256(json.dumps(inside).encode()).hexdigest()}",
         episodes=count,
-        successes=tally.successes if has_goal else None,
-        success=tally.successes / count if has_goal else None,
-        success_95=wilson_interval(tally.successes, count) if has_goal else None,
-        mean_return=math.fsum(tally.returns) / count,
-        returns=tuple(tally.returns),
-        effort=math.fsum(tally.efforts) / len(tally.efforts),
-        arc_length=_mean([one.arc_length for one in tally.movements]),
-        jerk=_mean([one.jerk for one in tally.movements]),
-        likeness=_mean(tally.distances),
-        states=f"sha256:{tally.states.hexdigest()}",
+        successes=successes if has_goal else None,
+        success=successes / count if has_goal else None,
+        success_95=wilson_interval(successes, count) if has_goal else None,
+        mean_return=math.fsum(returns) / count,
+        returns=tuple(returns),
+        effort=math.fsum(efforts) / len(efforts),
+        arc_length=_mean([one.arc_length for one in movements]),
+        jerk=_mean([one.jerk for one in movements]),
+        likeness=_mean(distances),
+        states=f"sha256:{states.hexdigest()}",
     )
 
 
@@ -155,3 +147,112 @@ def _mean(values: Sequence[float]) -> float | None:
     """Return the mean of all that are numbers; None if there are none."""
     numbers = [value for value in values if math.isfinite(value)]
     return math.fsum(numbers) / len(numbers) if numbers else None
+
+
+EXACT = {"states": "the states of the simulation, though not what is written of them"}
+"""What a difference in a score is called, where its name does not say it."""
+
+
+class BenchResults(Model):
+    """What a policy scored in some tasks at some ages."""
+
+    benchmark: str
+    """Name of the benchmark, with its version."""
+    policy: str
+    """The policy, as it was named."""
+    policy_files: Mapping[str, str]
+    """Digests of the files that decide what it does."""
+    seeds: tuple[Whole, Whole]
+    """Seeds of the test episodes, the second excluded."""
+    software: Mapping[str, str]
+    """Versions of mimoc, MuJoCo, NumPy and Python, and the type of the machine."""
+    cells: Mapping[str, CellScores]
+    """The scores by task and age, such as `reach/9`."""
+
+    @property
+    def content(self) -> bytes:
+        """The file: JSON with sorted keys and rounded numbers."""
+        return render_json(self.model_dump(mode="json"), levels=3)
+
+    @property
+    def scored(self) -> Mapping[Cell, CellScores]:
+        """The scores by cell, in the order of the benchmark."""
+        return {cell: self.cells[cell.name] for cell in chosen_cells() if cell.name in self.cells}
+
+
+def read_results(path: str | Path) -> BenchResults:
+    """Read what a policy scored; raise a BundleError if the file is no such result, or of another benchmark."""
+    path, version = Path(path).expanduser(), bench_table().benchmark
+    try:
+        results = read_json_file(path, BenchResults)
+    except UnusableFileError as error:
+        raise BundleError(f"{path}: not a result of `mimoc bench`: {error}") from None
+    if results is None:
+        raise BundleError(f"{path}: there is no such file; name what `mimoc bench -o FILE` wrote")
+    if results.benchmark != version:
+        raise BundleError(f"{path}: of {results.benchmark!r:.40}, but this mimoc has {version}; enter again")
+    if unknown := results.cells.keys() - {cell.name for cell in chosen_cells()}:
+        raise BundleError(f"{path}: {version} has no {min(unknown)!r:.40}; enter again")
+    return results
+
+
+def differences(before: CellScores, after: CellScores) -> list[str]:
+    """Return how scores differ as they stand in files, a text each; nothing if they are the same to the bit."""
+    pairs = {name: (getattr(before, name), getattr(after, name)) for name in CellScores.model_fields}
+    written = {name: [render_json(value) for value in pair] for name, pair in pairs.items()}
+    other = [name for name, (old, new) in written.items() if old != new]
+    if other == ["states"]:
+        return [EXACT["states"]]
+    short = [name for name in other if name not in ("states", "returns")] or other
+    return [f"{name} {_short(pairs[name][0])}, now {_short(pairs[name][1])}" for name in short]
+
+
+def markdown_tables(entries: Sequence[BenchResults]) -> str:
+    """Return two tables in Markdown: how often policies succeed in each task, and the other scores, as means."""
+    policies = [_code(entry.policy) for entry in entries]
+    lines = [_row("task", "months", *policies), _row("---", *["---:"] * (1 + len(entries)))]
+    for cell in chosen_cells():
+        if any(cell.name in entry.cells for entry in entries):
+            values = [_success(entry.cells.get(cell.name)) for entry in entries]
+            lines.append(_row(cell.task, f"{cell.age_months:g}", *values))
+    lines.append(_row("**mean**", "", *(_number(_mean_of(entry, "success")) for entry in entries)))
+    headings = ("policy", "cells", "success", "effort", "arc length", "jerk", "likeness")
+    lines += ["", _row(*headings), _row("---", *["---:"] * (len(headings) - 1))]
+    for policy, entry in zip(policies, entries, strict=True):
+        means = [_mean_of(entry, name) for name in ("success", "effort", "arc_length", "jerk", "likeness")]
+        lines.append(_row(policy, f"{len(entry.cells)}", *map(_number, means)))
+    return "\n".join(lines)
+
+
+def _code(text: str) -> str:
+    """Return text that anyone may have written as code in a cell of a table; nothing of it is Markdown or HTML."""
+    if re.fullmatch(r"[\w +:(){}./,-]+", text, re.ASCII):
+        return f"`{text}`"
+    special = {ord(character): f"&#{ord(character)};" for character in "`|*_~\\["}
+    return f"<code>{html.escape(one_line(text)).translate(special)}</code>"
+
+
+def _success(scores: CellScores | None) -> str:
+    if scores is None:
+        return ""
+    if scores.success is None or scores.success_95 is None:
+        return f"distance {_number(scores.likeness)}"
+    low, high = scores.success_95
+    return f"{scores.success:.2f} ({low:.2f}-{high:.2f})"
+
+
+def _mean_of(entry: BenchResults, name: str) -> float | None:
+    values = [value for scores in entry.scored.values() if (value := getattr(scores, name)) is not None]
+    return math.fsum(values) / len(values) if values else None
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"
+
+
+def _short(value: object) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else f"{value}"[:60]
+
+
+def _row(*items: str) -> str:
+    return f"| {' | '.join(items)} |"

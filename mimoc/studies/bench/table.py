@@ -11,8 +11,7 @@ from mimoc.schema import source
 from mimoc.schema.base import Model, changed
 from mimoc.schema.infant import InfantSpec, as_written, read_spec
 from mimoc.schema.quantities import Real, Whole
-from mimoc.schema.source import FileKind
-from mimoc.schema.yaml_document import dump
+from mimoc.schema.source import FileKind, dump
 
 FILE = Path(__file__).with_name("tasks.yaml")
 BABYBENCH_MONTHS = 18.0  # Age of MIMo's body, which BabyBench has.
@@ -66,12 +65,12 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """What it is called in files: `reach/9`."""
+        """Its name in files: `reach/9`."""
         return f"{self.task}/{self.age_months:g}"
 
     @property
     def file_name(self) -> str:
-        """What its files are called: `reach_9`."""
+        """The stem of its files: `reach_9`."""
         return f"{self.task}_{self.age_months:g}"
 
     @property

@@ -23,8 +23,7 @@ from mimoc.studies.cohorts.job import Job, jobs_of
 from mimoc.studies.cohorts.run_jobs import failed_result
 from mimoc.studies.cohorts.store import Store
 from mimoc.studies.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
-
-Progress = Callable[[int, int], None]  # Called with the number of jobs done and their total.
+from mimoc.studies.jobs import Progress
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,9 +128,9 @@ class Cohort:
                     parse_policy(step.policy)
                 elif isinstance(step, ExperimentStep):
                     # Takes time to import, in each process that does jobs.
-                    from mimoc.studies.experiments import check_experiment
+                    from mimoc.studies.experiment import find_experiment, law_of
 
-                    check_experiment(step.name, step.development)
+                    law_of(find_experiment(step.name), step.development)
                 elif isinstance(step, TrainStep):
                     from mimoc.training import growth_settings  # Needs Stable-Baselines3.
                     from mimoc.training.settings import TrainingSettings

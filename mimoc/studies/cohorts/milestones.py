@@ -12,15 +12,15 @@ from mimoc.base.quantities.milestones import MILESTONE_AGES
 from mimoc.base.rounding import rounded
 from mimoc.studies.cohorts.infants import build_z
 from mimoc.studies.cohorts.table import Cell, Rows
+from mimoc.studies.milestones.report import WINDOWS
 
 SOURCE = "WHO Multicentre Growth Reference Study Group 2006, Acta Paediatr Suppl 450: 86-95"
-WHO: Mapping[str, tuple[str, float, float]] = {
-    "sit": ("sitting without support", 6.0, 1.1),
-    "hands_and_knees": ("hands-and-knees crawling", 8.5, 1.7),
-    "pull_to_stand": ("standing with assistance", 7.6, 1.4),
-    "stand": ("standing alone", 11.0, 1.9),
+WHO: Mapping[str, str] = {  # WHO's milestone by the trial that comes nearest to it, whose window has WHO's ages.
+    "sit": "sitting without support",
+    "hands_and_knees": "hands-and-knees crawling",
+    "pull_to_stand": "standing with assistance",
+    "stand": "standing alone",
 }
-"""WHO's milestone, and mean and standard deviation of the ages in months, by the trial that comes nearest to it."""
 
 DELAYS_SOURCE = "Slining et al. 2010, J Pediatr 157: 20-25, 217 infants of 3 to 18 months"
 PUBLISHED_ODDS: Mapping[str, tuple[float, float, float]] = {
@@ -58,7 +58,7 @@ class DelayOdds:
     others: int
     late_others: int
     odds_ratio: float
-    low: float  # Of its 95 % interval, by Woolf's method with a half added to each number.
+    low: float  # Lower end of its 95 % interval, by Woolf's method with a half added to each number.
     high: float
 
 
@@ -68,7 +68,7 @@ class MilestoneSummary:
 
     spreads: tuple[MilestoneSpread, ...]
     odds: tuple[DelayOdds, ...]
-    """Of drawn children, whose percentiles are known; of single milestones, and of the mean of their z-scores."""
+    """Only for drawn children, whose percentiles are known: for each milestone, and for the mean of their z-scores."""
     published_odds: Mapping[str, tuple[float, float, float]]
     who_source: str = SOURCE
     odds_source: str = DELAYS_SOURCE
@@ -95,8 +95,10 @@ def milestone_summary(rows: Rows) -> MilestoneSummary:
 def _spread(trial: str, column: Sequence[Cell]) -> MilestoneSpread:
     reached = [float(age) for age in column if isinstance(age, int | float)]
     average, deviation = (mean(reached) if reached else None), (stdev(reached) if len(reached) > 1 else None)
+    who = WINDOWS[trial] if trial in WHO else None
+    ages_of_who = (who.usual_months, who.sd_months) if who else (None, None)
     return MilestoneSpread(
-        trial, len(reached), len(column) - len(reached), average, deviation, *WHO.get(trial, ("", None, None))
+        trial, len(reached), len(column) - len(reached), average, deviation, WHO.get(trial, ""), *ages_of_who
     )
 
 

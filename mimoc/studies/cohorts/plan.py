@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mimoc.studies.cohorts.cohort import Cohort, Progress
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.engines.local import try_out
 from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import ASSETS, Result, Store, size_bytes
 from mimoc.studies.cohorts.table import varied_options
+from mimoc.studies.jobs import Progress
 
 TRIAL_S = 30.0  # Longest trial of a step; a step that takes longer is counted as this long.
 SHORT, LONG = 50, 150  # Control steps of two trial runs, whose difference says how long a step takes.

@@ -193,7 +193,8 @@ def check(work: JobContext) -> Measures:
 
 def milestones(work: JobContext) -> Measures:
     """Find the ages from which on the child reaches motor milestones."""
-    from mimoc.studies.milestones import Conditions, search_near
+    from mimoc.studies.milestones.infant import Conditions
+    from mimoc.studies.milestones.search import search_near
 
     conditions, options = Conditions(delays=work.job.options["delays"]), work.job.options
     ages = {name: search_near(work.spec, conditions, name).youngest_months for name in options["trials"]}
@@ -235,7 +236,7 @@ def train(work: JobContext) -> Measures:
 
 def experiment(work: JobContext) -> Measures:
     """Run one of mimoc's experiments; its tables and its page are kept."""
-    from mimoc.studies.experiments import run_experiment
+    from mimoc.studies.experiment import run_experiment
 
     options = work.job.options
     run_experiment(options["name"], work.folder, quick=options["quick"], development=options["development"])

@@ -25,7 +25,7 @@ PROVENANCE = "provenance.json"
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What became of a job."""
+    """The result of a job."""
 
     status: str  # `ok` or `failed`.
     measures: Mapping[str, Any]
@@ -173,7 +173,7 @@ def size_bytes(folder: Path) -> int:
 
 
 STEPS = ("build", "check", "run", "train", "experiment", "python")
-MOST_BYTES_IN_ALL = 2**30  # Of all results; 1 GB. Those of a million jobs have less.
+MAX_BYTES_IN_ALL = 2**30  # Largest size of all results together, 1 GB; those of a million jobs are smaller.
 _FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
 """Names of folders of results, and of results; of those that are being written they begin with a dot."""
 
@@ -185,7 +185,7 @@ def finished_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
     """
     store.check()
     jobs, damaged = list[Job](), list[str]()
-    with regular_files(store.folder, MOST_BYTES_IN_ALL) as files:
+    with regular_files(store.folder, MAX_BYTES_IN_ALL) as files:
         for path in _results(files):
             try:
                 jobs.append(_job(files, path))

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -13,15 +12,16 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.components.senses.vision import VisionEntry, VisionSpec
-from mimoc.components.senses.vision.build_acuity import PROFILES, acuity_at
-from mimoc.components.senses.vision.build_comparison import DEFAULT_FOVEATION, compare_ages
+from mimoc.components.senses.vision.build import PROFILES, acuity_at
+from mimoc.components.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
 from mimoc.components.senses.vision.foveation import pixels_per_degree
 from mimoc.components.senses.vision.preview import preview
 from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.notebook import Measured, Notebook, child, markdown_table
+from mimoc.studies.experiment import Experiment, Measured, Results, Table, child
+from mimoc.studies.notebook import PAGES, markdown_table, months_text
 
 WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enough for the acuity at two years.
 FOVY_DEG = VisionSpec().fovy_deg
@@ -80,32 +80,20 @@ HALF = 0.5
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
 
-def run(notebook: Notebook) -> Path:
-    """Render one scene as seen at several ages, measure gratings, and return the path of the report."""
-    count = notebook.counter(len(PAPER_MONTHS) + 1)
-    by_age = [count(list(transfers(age_months, acuity_at(age_months, PROFILE)))) for age_months in PAPER_MONTHS]
-    measured = [item for items in by_age for item in items]
-    size_px = QUICK_SIZE_PX if notebook.quick else SIZE_PX
-    notebook.write_picture("acuity.png", count(_sheet(notebook.law, size_px)))
-    profiles = {profile: [acuity_at(age_months, profile) for age_months in HALF_MONTHS] for profile in PROFILES}
-    heading = ",".join(("age_months", *(f"{profile}_cpd" for profile in profiles)))
-    notebook.write_table("profiles.csv", heading, zip(HALF_MONTHS, *profiles.values(), strict=True))
-    notebook.write_table(
-        "gratings.csv",
-        "age_months,acuity_cpd,frequency_cpd,law,measured",
-        ((item.age_months, item.acuity_cpd, item.frequency_cpd, item.law, item.measured) for item in measured),
-    )
-    lines = tuple(Line(HALF_MONTHS, acuities_cpd, profile) for profile, acuities_cpd in profiles.items())
-    by_profile = Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), lines, title="Acuity by age")
-    notebook.write_plots("csf.png", [_csf_plot(by_age), by_profile])
-    return notebook.write_page(_measured(measured), **_numbers(measured, size_px))
+def try_gratings(age_months: float, seed: int) -> list[Transfer]:
+    """Return what the eyes of an age leave of gratings."""
+    return list(transfers(age_months, acuity_at(age_months, PROFILE)))
 
 
-def _measured(measured: Sequence[Transfer]) -> Measured:
+def _gratings(results: Results) -> list[Transfer]:
+    return [item for (items,) in results.by_case.values() for item in items]
+
+
+def _measured(results: Results) -> Measured:
+    measured = _gratings(results)
     half = min(measured, key=lambda item: abs(item.frequency_cpd / item.acuity_cpd - HALF))
     acuities = {
-        f"acuity at {age:g} month{'s' * (age != 1)} [cycles/degree], `mimo_v2`": acuity_at(age, "mimo_v2")
-        for age in PAPER_MONTHS
+        f"acuity at {months_text(age)} [cycles/degree], `mimo_v2`": acuity_at(age, "mimo_v2") for age in PAPER_MONTHS
     }
     return {**acuities, "contrast left at half the acuity": half.measured, FOVEATION: DEFAULT_FOVEATION}
 
@@ -116,9 +104,13 @@ def infants(law: Development) -> Iterator[Bundle]:
     yield building.builder(child("onlooker", 10, development=law, scene=scene))(SEED, check=False)
 
 
-def _sheet(development: Development, size_px: int) -> bytes:
+def _size_px(results: Results) -> int:
+    return QUICK_SIZE_PX if results.notebook.quick else SIZE_PX
+
+
+def _sheet(results: Results) -> bytes:
     """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
-    infant = next(infants(development))
+    infant, size_px = next(infants(results.notebook.law)), _size_px(results)
     whole, finer = (
         compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
         for times in (1, MIDDLE_TIMES)
@@ -133,18 +125,30 @@ def _sheet(development: Development, size_px: int) -> bytes:
     return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
 
 
+def _profiles(results: Results) -> Table:
+    heading = ",".join(("age_months", *(f"{profile}_cpd" for profile in PROFILES)))
+    return heading, ((age, *(acuity_at(age, profile) for profile in PROFILES)) for age in HALF_MONTHS)
+
+
+def _plots(results: Results) -> list[Plot]:
+    profiles = {profile: [acuity_at(age_months, profile) for age_months in HALF_MONTHS] for profile in PROFILES}
+    lines = tuple(Line(HALF_MONTHS, acuities_cpd, profile) for profile, acuities_cpd in profiles.items())
+    by_profile = Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), lines, title="Acuity by age")
+    return [_csf_plot([items for (items,) in results.by_case.values()]), by_profile]
+
+
 def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
     lines, dots = [], []
     for results in by_age:
-        age_months = results[0].age_months
-        label = f"{age_months:g} month{'s' * (age_months != 1)}"
+        label = months_text(results[0].age_months)
         lines.append(Line((0, results[0].acuity_cpd), (1, 0), label))
         dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
     x, y = Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"), Quantity("contrast", "Remaining contrast")
     return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")
 
 
-def _numbers(measured: Sequence[Transfer], size_px: int) -> dict[str, object]:
+def _numbers(results: Results) -> dict[str, object]:
+    measured, size_px = _gratings(results), _size_px(results)
     rows = (
         [f"{age_months:g}", *(f"{acuity_at(age_months, profile):.2f}" for profile in PROFILES)]
         for age_months in PAPER_MONTHS
@@ -164,3 +168,25 @@ def _numbers(measured: Sequence[Transfer], size_px: int) -> dict[str, object]:
         "shown": size_px / (2 * FOVY_DEG),
         "shown_middle": MIDDLE_TIMES * size_px / (2 * FOVY_DEG),
     }
+
+
+EXPERIMENT = Experiment(
+    name="acuity",
+    trial=try_gratings,
+    cases=lambda notebook: PAPER_MONTHS,
+    kept=False,
+    files={
+        "acuity.png": _sheet,
+        "profiles.csv": _profiles,
+        "gratings.csv": lambda results: (
+            "age_months,acuity_cpd,frequency_cpd,law,measured",
+            ((it.age_months, it.acuity_cpd, it.frequency_cpd, it.law, it.measured) for it in _gratings(results)),
+        ),
+        "csf.png": _plots,
+    },
+    page=PAGES / "acuity.md",
+    numbers=_numbers,
+    measured=_measured,
+    infants=infants,
+    development="maturing",
+)

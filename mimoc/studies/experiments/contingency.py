@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,19 +13,25 @@ from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
-from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
-from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, child, table_rows
+from mimoc.studies.comparison import band_of_seeds
+from mimoc.studies.experiment import Experiment, Results, Table, TrialResult, child, measures_table
+from mimoc.studies.experiments.gain_learner import (
+    PAGE_NUMBERS,
+    WINDOW_S,
+    GainLearner,
+    Phases,
+    differences,
+    direction_rows,
+    rates_per_min,
+)
+from mimoc.studies.experiments.legs import LIMBS, Mover
+from mimoc.studies.notebook import PAGES, Notebook, table_rows
 
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 60.0, "interaction": 180.0, "still_face": 60.0, "reunion": 60.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 20.0, "interaction": 40.0, "still_face": 20.0, "reunion": 20.0}
 COMPARED_S = 60.0  # The end of a phase, by which it is judged.
 BIN_S = 20.0  # Width of the bins of curves.
-SEEDS, QUICK_SEEDS = range(6), range(2)
 AROUSAL = 0.9  # That of the infant under a mobile, of the experiment `mobile`.
 DELAY_MS, PAUSE_MS = 400.0, 1500.0
 """From a kick to the answer, and from then to the next: as long as a smile lasts; assumptions."""
@@ -49,51 +54,6 @@ class Session:
     gains: FloatArray  # Gain of each limb that it had learnt after each window, shape (windows, 6).
 
 
-def run(notebook: Notebook) -> Path:
-    """Let pairs of infants be with a caregiver, and return the path of the report."""
-    phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
-    case = Phases(tuple(phases_s.values()), COMPARED_S)
-    by_case = run_cases(notebook, [(pair, case)], seeds)
-    results = by_case[case]
-    bins = (
-        (condition, seed, slot * BIN_S, rate)
-        for seed, result in zip(seeds, results, strict=True)
-        for condition in CONDITIONS
-        for slot, rate in enumerate(result.traces[f"{condition}_rate"])
-    )
-    notebook.write_table("time.csv", "condition,seed,time_s,rate_per_min", bins)
-    write_measures(notebook, "contingency.csv", by_case, seeds)
-    notebook.write_plots("contingency.png", list(_plots(results, case)))
-    digits = {**dict.fromkeys(PHASES_S, 1), "leg_gain": 2, "arm_gain": 2, "answers": 2}
-    table = (
-        (name, *(interval(values_of(results, f"{name}_{column}")).text(count) for column, count in digits.items()))
-        for name in CONDITIONS
-    )
-    page = notebook.write_page(
-        None,
-        "scipy",
-        age=AGE_MONTHS,
-        seeds=len(seeds),
-        **{f"{name}_s": seconds for name, seconds in phases_s.items()},
-        compared=case.compared_s,
-        delay=DELAY_MS,
-        pause=PAUSE_MS,
-        attention=ATTENTION,
-        arousal=AROUSAL,
-        **PAGE_NUMBERS,
-        table=table_rows(table),
-        answer=_answer(results),
-        predictions=table_rows(direction_rows(_differences(results))),
-    )
-    forget_trials(notebook)
-    return page
-
-
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infant that is with the caregiver."""
-    yield bundle_of(Phases(tuple(QUICK_PHASES_S.values()), COMPARED_S), ())
-
-
 def bundle_of(case: Phases, yoked_s: Sequence[float]) -> Bundle:
     """Return an infant on its back with a caregiver, who answers kicks, or at some times whatever it does."""
     phases = ("still_face", "interact", "still_face", "interact")
@@ -105,7 +65,7 @@ def bundle_of(case: Phases, yoked_s: Sequence[float]) -> Bundle:
     return pipeline.build(child("contingency", AGE_MONTHS, actuation={"model": "muscle"}, scene=scene))
 
 
-def pair(case: Phases, seed: int) -> Result:
+def pair(case: Phases, seed: int) -> TrialResult:
     """Let an infant be answered when it kicks, and another when the first one was."""
     contingent = session(case, seed, ())
     yoked = session(case, seed + PARTNER, contingent.answers_s or (case.ends_s[0],))
@@ -115,7 +75,7 @@ def pair(case: Phases, seed: int) -> Result:
         traces[f"{name}_rate"] = rates_per_min(infant.kicks_s, case.ends_s[-1], BIN_S)
         gains = np.exp(np.log(infant.gains[:, LEGS]).mean(axis=1))
         traces[f"{name}_gain"] = tuple(gains.tolist())
-    return Result(values=values, traces=traces)
+    return TrialResult(values=values, traces=traces)
 
 
 def session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Session:
@@ -147,35 +107,72 @@ def _measures(case: Phases, infant: Session) -> dict[str, float]:
     return {**values, "answers": float(len(infant.answers_s))}
 
 
-def _differences(results: Sequence[Result]) -> dict[str, list[float]]:
-    asked = {
-        "kicks rise from baseline to interaction": ("contingent_interaction", "contingent_baseline"),
-        "more kicks than of the yoked partner": ("contingent_interaction", "yoked_interaction"),
-        "a larger gain of the legs than the partner's": ("contingent_leg_gain", "yoked_leg_gain"),
-        "a larger gain of the legs than of the arms": ("contingent_leg_gain", "contingent_arm_gain"),
-        "fewer kicks before the still face": ("contingent_interaction", "contingent_still_face"),
-        "more kicks again in the reunion": ("contingent_reunion", "contingent_still_face"),
+def cases(notebook: Notebook) -> list[Phases]:
+    """Return the only case."""
+    return [Phases(tuple((QUICK_PHASES_S if notebook.quick else PHASES_S).values()), COMPARED_S)]
+
+
+MORE, BEYOND = "kicks rise from baseline to interaction", "more kicks than of the yoked partner"
+LARGER = "a larger gain of the legs than the partner's"
+ASKED = {  # In how many pairs the first measure is larger.
+    MORE: ("contingent_interaction", "contingent_baseline"),
+    BEYOND: ("contingent_interaction", "yoked_interaction"),
+    LARGER: ("contingent_leg_gain", "yoked_leg_gain"),
+    "a larger gain of the legs than of the arms": ("contingent_leg_gain", "contingent_arm_gain"),
+    "fewer kicks before the still face": ("contingent_interaction", "contingent_still_face"),
+    "more kicks again in the reunion": ("contingent_reunion", "contingent_still_face"),
+}
+DIGITS = {**dict.fromkeys(PHASES_S, 1), "leg_gain": 2, "arm_gain": 2, "answers": 2}  # Of means, by measure.
+
+
+def _time_table(results: Results) -> Table:
+    (pairs,) = results.by_case.values()
+    return "condition,seed,time_s,rate_per_min", (
+        (condition, seed, slot * BIN_S, rate)
+        for seed, result in zip(results.seeds, pairs, strict=True)
+        for condition in CONDITIONS
+        for slot, rate in enumerate(result.traces[f"{condition}_rate"])
+    )
+
+
+def _numbers(results: Results) -> dict[str, object]:
+    (case,) = results.by_case
+    return {
+        "age": AGE_MONTHS,
+        **{f"{name}_s": seconds for name, seconds in zip(PHASES_S, case.lengths_s, strict=True)},
+        "compared": case.compared_s,
+        "delay": DELAY_MS,
+        "pause": PAUSE_MS,
+        "attention": ATTENTION,
+        "arousal": AROUSAL,
+        **PAGE_NUMBERS,
+        "table": table_rows(
+            (name, *(results.mean(case, f"{name}_{column}").text(count) for column, count in DIGITS.items()))
+            for name in CONDITIONS
+        ),
+        "answer": _answer(results, case),
+        "predictions": direction_rows(results, case, ASKED),
     }
-    return {name: differences(results, *pair) for name, pair in asked.items()}
 
 
-def _answer(results: Sequence[Result]) -> str:
-    rises, beyond = list(_differences(results).values())[:2]
-    risen, more = (sum(value > 0 for value in values) for values in (rises, beyond))
-    gains = [np.mean(values_of(results, f"{name}_leg_gain")) for name in CONDITIONS]
-    larger = sum(value > 0 for value in _differences(results)["a larger gain of the legs than the partner's"])
+def _answer(results: Results, case: Phases) -> str:
+    counts = {name: sum(one > 0 for one in differences(results, case, *ASKED[name])) for name in (MORE, BEYOND, LARGER)}
+    risen, more, larger = counts.values()
+    gains = [np.mean(results.values(case, f"{name}_leg_gain")) for name in CONDITIONS]
+    pairs = len(results.seeds)
     return (
         f"Infants whose kicks are answered learn to drive their legs by a factor of {gains[0]:.2f}, those that are "
         f"answered likewise whatever they do by {gains[1]:.2f}; the gain of the former is larger in {larger} of "
-        f"{len(results)} pairs. Kicks are counted within a minute, and come in bouts: {risen} of {len(results)} kick "
+        f"{pairs} pairs. Kicks are counted within a minute, and come in bouts: {risen} of {pairs} kick "
         f"more in the interaction than before, and {more} more than their partners."
     )
 
 
-def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
+def _plots(results: Results) -> Iterator[Plot]:
+    ((case, pairs),) = results.by_case.items()
     ends_min = [end_s / 60.0 for end_s in case.ends_s]
     for name, quantity, width_s in (("rate", RATE_PER_MIN, BIN_S), ("gain", GAIN, WINDOW_S)):
-        curves = {condition: np.array([r.traces[f"{condition}_{name}"] for r in results]) for condition in CONDITIONS}
+        curves = {condition: np.array([r.traces[f"{condition}_{name}"] for r in pairs]) for condition in CONDITIONS}
         minutes = (np.arange(curves["contingent"].shape[1], dtype=np.float64) + 0.5) * width_s / 60.0
         top = 1.15 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 0.1
         bands = [
@@ -185,3 +182,21 @@ def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
         bands += [band_of_seeds(minutes, curve, condition) for condition, curve in curves.items()]
         lines = tuple(Line(minutes, curve.mean(axis=0), condition) for condition, curve in curves.items())
         yield Plot(MINUTES, quantity, lines, tuple(bands), y_range=(0.0, top))
+
+
+EXPERIMENT = Experiment(
+    name="contingency",
+    trial=pair,
+    cases=cases,
+    seeds=range(6),
+    quick={"seeds": range(2)},
+    files={
+        "time.csv": _time_table,
+        "contingency.csv": measures_table(),
+        "contingency.png": _plots,
+    },
+    page=PAGES / "contingency.md",
+    numbers=_numbers,
+    libraries=("scipy",),
+    infants=lambda law: [bundle_of(Phases(tuple(QUICK_PHASES_S.values()), COMPARED_S), ())],
+)

@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from operator import methodcaller
-from pathlib import Path
 from statistics import fmean
 from typing import Any
 
@@ -18,10 +17,11 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.studies.experiment import Experiment, Measured, Table, child
 from mimoc.studies.experiments import late_reaches, learner as learning
 from mimoc.studies.experiments.late_reaches import DELAYS, DELAYS_MS, MOTOR_MS, VARIANTS
 from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, Learner, by_group, mean_and_range, movement_of
-from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, table_rows
+from mimoc.studies.notebook import PAGES, Cell, Notebook, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 
 FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}
@@ -59,8 +59,37 @@ LESS_SMOOTH: Sequence[tuple[str, str, Callable[[Learner], float]]] = (
 MEASURES = (Learner.last_time_s, Learner.success_rate, Learner.time_s, UNITS, DETOUR, ARC_LENGTH, JERK)
 
 
-def run(notebook: Notebook) -> Path:
-    """Train infants with each delay (or resume interrupted runs), compare them, and return the path of the report."""
+@dataclass(frozen=True, slots=True)
+class Trained:
+    """Infants trained with each delay, and reaches with late senses."""
+
+    law: Development
+    steps: int
+    seeds: Sequence[int]
+    by_setup: Mapping[str, Sequence[Learner]]
+    late: late_reaches.Reaches
+    reaches: Sequence[late_reaches.Group]
+
+    @property
+    def setups(self) -> dict[str, Groups]:
+        """Infants with their reaches for balls that are within reach, by setup and delay."""
+        within = {name: by_group(_within_reach(same)) for name, same in self.by_setup.items()}
+        return {name: {f"{ms} ms": group for ms, group in groups.items()} for name, groups in within.items()}
+
+    @property
+    def groups(self) -> Groups:
+        """The infants of the paper's setup by delay."""
+        return self.setups[PAPER]
+
+    @property
+    def first(self) -> list[Learner]:
+        """The infants of the first seed in the paper's setup."""
+        learners = _within_reach(self.by_setup[PAPER])
+        return [item for item in learners if item.seed == learners[0].seed]
+
+
+def measure(notebook: Notebook) -> Trained:
+    """Let infants reach with late senses, and train infants with each delay, or resume interrupted runs."""
     steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
     variants = VARIANTS[:QUICK_VARIANTS] if notebook.quick else VARIANTS
     runs = list(_runs(seeds))
@@ -68,44 +97,36 @@ def run(notebook: Notebook) -> Path:
     total = before + steps * len(runs)
     count, counted = QUICK_REACHES if notebook.quick else REACHES, notebook.counter(total)
     late = late_reaches.reach_with_variants(variants, notebook.law, count, REACH_S, counted)
-    late_reaches.write_ataxia(notebook, late)
     reaches = late_reaches.reach_at_ages(MONTHS, count, REACH_S, counted)
-    late_reaches.write_reaches(notebook, reaches)
     by_setup = _learners(notebook, steps, runs, before, total)
-    within = {name: _within_reach(same) for name, same in by_setup.items()}
-    setups = {
-        name: {f"{delay_ms} ms": group for delay_ms, group in by_group(same).items()} for name, same in within.items()
-    }
-    learners, groups = within[PAPER], setups[PAPER]
-    first = [item for item in learners if item.seed == learners[0].seed]
-    _write_tables(notebook, by_setup, first)
-    curves = learning.learning_plot(groups, Quantity("time_s", "Time to reach", "s"), "Learning")
-    notebook.write_plots("delays.png", [curves, _path_plot(notebook.law, first), _smoothness_plot(groups)])
+    return Trained(notebook.law, steps, seeds, by_setup, late, reaches)
+
+
+def _numbers(found: Trained) -> dict[str, object]:
+    groups = found.groups
     *others, longest = groups
     worse = {"slower": Learner.last_time_s, "longer": Learner.time_s} | {name: one for name, _, one in LESS_SMOOTH}
-    return notebook.write_page(
-        _measured(groups),
-        *LIBRARIES,
-        age=AGE_MONTHS,
-        delays=f"{', '.join(others)} and {longest}",
-        motor=MOTOR_MS,
-        steps=steps,
-        seeds=len(seeds),
-        episodes=EPISODES,
-        beyond=EPISODES - len(learners[0].reaches),
-        shown=SHOWN,
-        table=table_rows(
+    return {
+        "age": AGE_MONTHS,
+        "delays": f"{', '.join(others)} and {longest}",
+        "motor": MOTOR_MS,
+        "steps": found.steps,
+        "seeds": len(found.seeds),
+        "episodes": EPISODES,
+        "beyond": EPISODES - len(found.first[0].reaches),
+        "shown": SHOWN,
+        "table": table_rows(
             (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
         ),
         **{name: "yes" if _rising(groups, measure) else "not in every case" for name, measure in worse.items()},
-        setups=_setups_rows(setups),
-        setups_seed=seeds[0],
-        longest_s=ms_to_s(max(DELAYS_MS)),
-        ataxia=late_reaches.ataxia_text(late, REACH_S),
-        infants=late_reaches.infants_text(reaches, REACH_S),
-        training_seeds=", ".join(map(str, seeds)),
-        first_ball=FIRST_BALL,
-    )
+        "setups": _setups_rows(found.setups),
+        "setups_seed": found.seeds[0],
+        "longest_s": ms_to_s(max(DELAYS_MS)),
+        "ataxia": late_reaches.ataxia_text(found.late, REACH_S),
+        "infants": late_reaches.infants_text(found.reaches, REACH_S),
+        "training_seeds": ", ".join(map(str, found.seeds)),
+        "first_ball": FIRST_BALL,
+    }
 
 
 def infants(law: Development) -> Iterator[Bundle | InfantSpec]:
@@ -201,25 +222,32 @@ def _setups_rows(setups: Mapping[str, Groups]) -> str:
     return table_rows(rows)
 
 
-def _write_tables(notebook: Notebook, by_setup: Mapping[str, Sequence[Learner]], first: Sequence[Learner]) -> None:
-    every = [(setup, item) for setup, learners in by_setup.items() for item in learners]
-    notebook.write_table(
-        "learning.csv",
-        "setup,delay_ms,seed,steps,episodes,success_rate,time_s,episode_return",
-        ((setup, item.group, item.seed, steps, *cells) for setup, item in every for steps, cells in item.learning()),
+def _learning(found: Trained) -> Table:
+    return "setup,delay_ms,seed,steps,episodes,success_rate,time_s,episode_return", (
+        (setup, item.group, item.seed, steps, *cells)
+        for setup, learners in found.by_setup.items()
+        for item in learners
+        for steps, cells in item.learning()
     )
-    notebook.write_table(
-        "reaches.csv",
-        "setup,delay_ms,seed,ball,success,time_s,movement_units,log_dimensionless_jerk,spectral_arc_length,detour",
-        ((setup, item.group, item.seed, *_reach_cells(reach)) for setup, item in every for reach in item.reaches),
+
+
+def _reaches(found: Trained) -> Table:
+    measures = "movement_units,log_dimensionless_jerk,spectral_arc_length,detour"
+    return f"setup,delay_ms,seed,ball,success,time_s,{measures}", (
+        (setup, item.group, item.seed, *_reach_cells(reach))
+        for setup, learners in found.by_setup.items()
+        for item in learners
+        for reach in item.reaches
     )
-    rows = (
+
+
+def _paths(found: Trained) -> Table:
+    return "delay_ms,seed,ball,time_s,x_m,y_m,z_m", (
         (item.group, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place)
-        for item in first
+        for item in found.first
         for reach in item.reaches[:SHOWN]
         for index, place in enumerate(movement_of(reach).path_m.tolist())
     )
-    notebook.write_table("paths.csv", "delay_ms,seed,ball,time_s,x_m,y_m,z_m", rows)
 
 
 def _reach_cells(reach: Episode) -> tuple[Cell, ...]:
@@ -228,22 +256,45 @@ def _reach_cells(reach: Episode) -> tuple[Cell, ...]:
     return (reach.seed, float(reach.success), reach.duration_s, *smoothness)
 
 
-def _path_plot(development: Development, first: Sequence[Learner]) -> Plot:
-    lines = []
-    for item in first:
-        with closing(InfantEnv(reaching(development, float(item.group)))) as env:
-            env.reset(seed=0)
-            shoulder = env.data.body("right_upper_arm").xpos.copy()
-        for reach in item.reaches[:SHOWN]:
-            ahead, _, up = 100 * (movement_of(reach).path_m - shoulder).T
-            lines.append(Line(ahead, up, f"{item.group} ms"))
-    x, y = Quantity("ahead_cm", "In front of the shoulder", "cm"), Quantity("up_cm", "Above the shoulder", "cm")
-    return Plot(x, y, tuple(lines), title="Hand paths", equal=True)
-
-
 def _smoothness_plot(groups: Groups) -> Plot:
     dots = [
         Dots([float(item.group) for item in group], list(map(UNITS, group)), label) for label, group in groups.items()
     ]
     x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("units", "Movement units in a reach, mean")
     return Plot(x, y, dots=tuple(dots), title="Smoothness")
+
+
+def _plots(found: Trained) -> list[Plot]:
+    curves = learning.learning_plot(found.groups, Quantity("time_s", "Time to reach", "s"), "Learning")
+    lines = []
+    for item in found.first:
+        with closing(InfantEnv(reaching(found.law, float(item.group)))) as env:
+            env.reset(seed=0)
+            shoulder = env.data.body("right_upper_arm").xpos.copy()
+        for reach in item.reaches[:SHOWN]:
+            ahead, _, up = 100 * (movement_of(reach).path_m - shoulder).T
+            lines.append(Line(ahead, up, f"{item.group} ms"))
+    x, y = Quantity("ahead_cm", "In front of the shoulder", "cm"), Quantity("up_cm", "Above the shoulder", "cm")
+    return [curves, Plot(x, y, tuple(lines), title="Hand paths", equal=True), _smoothness_plot(found.groups)]
+
+
+EXPERIMENT = Experiment(
+    name="delays",
+    measure=measure,
+    files={
+        "ataxia.csv": lambda found: late_reaches.ataxia_table(found.late),
+        "ataxia.png": lambda found: late_reaches.ataxia_plots(found.late),
+        "infants.csv": lambda found: late_reaches.infants_table(found.reaches),
+        "infants.png": lambda found: late_reaches.infants_plots(found.reaches),
+        "learning.csv": _learning,
+        "reaches.csv": _reaches,
+        "paths.csv": _paths,
+        "delays.png": _plots,
+    },
+    page=PAGES / "delays.md",
+    numbers=_numbers,
+    measured=lambda found: _measured(found.groups),
+    libraries=LIBRARIES,
+    infants=infants,
+    development="published",
+)

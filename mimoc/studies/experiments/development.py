@@ -1,25 +1,125 @@
 """Motor development from birth to two years: milestones, strength, posture at rest, and how much they hang on."""
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import astuple, replace
-from pathlib import Path
+from contextlib import closing
+from dataclasses import astuple, dataclass, replace
 from typing import Any
+
+import mujoco
+import numpy as np
 
 from mimoc.base.quantities import Quantity
 from mimoc.base.quantities.child import AGE
 from mimoc.compiler.looks.pictures import encode_palette_png
-from mimoc.render.picture_files import tile_pictures
-from mimoc.render.plots.file import encode
-from mimoc.render.plots.plot import Line, Plot
+from mimoc.compiler.measuring import ROOT
+from mimoc.policies.control.holding.postures import seat
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.picture_files import Picture, tile_pictures
+from mimoc.render.plots.plot import Line, Plot, Sheet
+from mimoc.render.soft_light import STILL
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.notebook import Notebook, markdown_table, table_rows
-from mimoc.studies.experiments.resting import FALLING_S, LEANS, LYING_S, Rest, rest, try_to_sit
+from mimoc.studies.experiment import Experiment, Table
 from mimoc.studies.experiments.strength import GROUPS, Strength, strengths
-from mimoc.studies.growth.plot import AgeRow, rows_sheet
-from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
+from mimoc.studies.growth_plots import AgeRow, rows_sheet
+from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at
+from mimoc.studies.milestones.report import WINDOWS
 from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches
+from mimoc.studies.milestones.trial import Outcome, simulate
+from mimoc.studies.milestones.trials import MILESTONES, TRIALS
+from mimoc.studies.notebook import PAGES, Notebook, markdown_table, table_rows
+
+LYING_S, FALLING_S = 6.0, 3.0
+ON_THE_BACK_DEG, LEANING_BACK_DEG, UPRIGHT_DEG = -90.0, -45.0, 0.0
+BENT_DEG = {"{side}_hip1": -50.0, "{side}_hip2": -25.0, "{side}_knee": -70.0, "{side}_elbow": -60.0}
+"""The posture in which an infant is laid down, its arms away from its body: that of mimoc's pose `supine`."""
+ARMS_DEG = 60.0
+ABOVE_M = 1.0  # Height at which a trunk is held, so that nothing touches the floor.
+LEANS = (0.15, 0.25, 0.35, 0.45)
+"""Where the weight of a sitting infant stands at first: 0 over the seat, 1 over the heels."""
+SITTING_KNEE_DEG = -20.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """Where an infant without commands comes to rest."""
+
+    development: Development
+    age_months: float
+    hip_deg: float  # Lying on its back; below 0 is bent, as for knee and elbow.
+    knee_deg: float
+    elbow_deg: float
+    head_upright_deg: float  # Angle of the head with the trunk held upright; above 0, the chin has fallen to the chest.
+    head_back_deg: float  # The same with the trunk leaning back by 45 degrees; below 0, the head has fallen back.
+    slumps_deg: Sequence[float]
+    """Tilt of the chest after sitting, for each of `LEANS`; above 0 forward, about 90 is lying."""
+
+
+def rest(development: Development, age_months: float) -> Rest:
+    """Return where the average child of an age comes to rest."""
+    infant = _average_child(development, age_months)
+    lying = infant.placed(ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
+    lying = _after(infant, lying, LYING_S)
+    return Rest(
+        development,
+        age_months,
+        hip_deg=_angle_deg(infant, lying, "left_hip1"),
+        knee_deg=_angle_deg(infant, lying, "left_knee"),
+        elbow_deg=_angle_deg(infant, lying, "left_elbow"),
+        head_upright_deg=_head_deg(infant, UPRIGHT_DEG),
+        head_back_deg=_head_deg(infant, LEANING_BACK_DEG),
+        slumps_deg=[_slump_deg(infant, lean) for lean in LEANS],
+    )
+
+
+def _average_child(development: Development, age_months: float) -> TrialInfant:
+    spec = InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
+    return compile_at(spec, age_months, Conditions())
+
+
+def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
+    held = infant.fixed(infant.trunk_dofs())
+    return _angle_deg(held, _after(held, held.placed(pitch_deg, {}, ABOVE_M), FALLING_S), "head_tilt")
+
+
+def _slump_deg(infant: TrialInfant, lean: float) -> float:
+    """Return the tilt of the chest of a slack infant that sat with its weight over some point."""
+    data = _after(infant, seat(infant, SITTING_KNEE_DEG, lean), FALLING_S)
+    forward, _, up = data.xmat[infant.pushed].reshape(3, 3)[:, 2]
+    return float(np.degrees(np.arctan2(forward, up)))
+
+
+def _after(infant: TrialInfant, data: mujoco.MjData, seconds: float) -> mujoco.MjData:
+    for _ in range(round(seconds / infant.model.opt.timestep)):
+        mujoco.mj_step(infant.model, data)
+    return data
+
+
+def _angle_deg(infant: TrialInfant, data: mujoco.MjData, joint: str) -> float:
+    address = infant.model.joint(f"robot:{joint}").qposadr[0]
+    return float(np.degrees(data.qpos[address]))
+
+
+PICTURE_PX = (150, 150)
+
+
+def try_to_sit(development: Development, age_months: float) -> Picture:
+    """Let the average child of an age try to sit, and show how its longest attempt ended."""
+    infant = _average_child(development, age_months)
+    best, outcome = mujoco.MjData(infant.model), Outcome(False, -1.0)
+    for attempt in TRIALS["sit"].attempts(infant):
+        states = deque[mujoco.MjData](maxlen=1)
+        ended = simulate(attempt, Conditions(), states.append)
+        if ended.seconds > outcome.seconds:
+            best, outcome = states[0], ended
+        if outcome.success:
+            break
+    with closing(BodyCamera(infant.model, [ROOT], *PICTURE_PX, exposure=STILL)) as camera:
+        held = "sits" if outcome.success else f"falls after {outcome.seconds:.1f} s"
+        return tile_pictures([[camera.render(best)]], columns=[f"{age_months:g} months: {held}"])
+
 
 LAWS: tuple[Development, ...] = ("maturing", "published")
 VARIATIONS: Mapping[str, Conditions] = {  # What the ages of milestones may hang on; pushes in body weights.
@@ -49,8 +149,20 @@ Motors = Mapping[tuple[str, str, int], Sequence[Strength]]  # Strength by age, b
 Reached = Mapping[str, Mapping[str, float | None]]  # Youngest age, if it is reached, by trial and law or condition.
 
 
-def run(notebook: Notebook) -> Path:
-    """Let infants of many ages try what real infants learn to do, and return the path of the report."""
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """What was measured of infants by both laws."""
+
+    strengths: Motors
+    rests: Sequence[Rest]
+    sitting: Sequence[Sequence[Picture]]  # How infants try to sit, by law and age.
+    searches: Mapping[Case, SearchResult]
+    reached: Reached
+    sensitivity: Reached
+
+
+def measure(notebook: Notebook) -> Measures:
+    """Let infants of many ages try what real infants learn to do."""
     quick = notebook.quick
     months, sitting = (QUICK_MONTHS, QUICK_SITTING_MONTHS) if quick else (MONTHS, SITTING_MONTHS)
     names = QUICK_NAMES if quick else NAMES
@@ -62,36 +174,22 @@ def run(notebook: Notebook) -> Path:
     }
     varied = [name for name in names if name in VARIED_NAMES]
     count = notebook.counter(len(LAWS) * (2 * len(months) + len(sitting)) + len(cases) + len(VARIATIONS) * len(varied))
-    strong = [item for law in LAWS for age in months for item in count(list(strengths(law, age)))]
-    motors = _write_strengths(notebook, strong)
+    motors: dict[tuple[str, str, int], list[Strength]] = {}
+    for law in LAWS:
+        for age in months:
+            for item in count(list(strengths(law, age))):
+                motors.setdefault((law, item.actuator, item.direction), []).append(item)
     rests = [count(rest(law, age)) for law in LAWS for age in months]
-    slumps = ",".join(f"slump_from_{lean:g}_deg" for lean in LEANS)
-    heading = f"development,age_months,hip_deg,knee_deg,elbow_deg,head_upright_deg,head_leaning_back_deg,{slumps}"
-    notebook.write_table("rest.csv", heading, map(_rest_cells, rests))
-    sitters = tile_pictures([[count(try_to_sit(law, age)) for age in sitting] for law in LAWS], rows=LAWS)
-    notebook.write_picture("sitting.png", encode_palette_png(sitters, COLOURS))
+    sitters = [[count(try_to_sit(law, age)) for age in sitting] for law in LAWS]
 
     def searched(cases: Sequence[Case]) -> Mapping[Case, SearchResult]:
-        return run_searches(cases, notebook.folder, 1 if quick else os.cpu_count() or 1, lambda: count(None))
+        return run_searches(cases, notebook.folder, 1 if quick else os.cpu_count() or 1, count)
 
     results = searched(list(cases.values()))
     reached = {name: {law: results[cases[law, name]].youngest_months for law in LAWS} for name in names}
-    _write_milestones(notebook, results, reached)
     sensitivity = _vary({name: cases["maturing", name] for name in varied}, reached, searched)
-    rows = ((name, *item) for name, by_condition in sensitivity.items() for item in by_condition.items())
-    notebook.write_table("sensitivity.csv", "milestone,condition,age_months", rows)
-    notebook.write_picture("sensitivity.png", _rows_png([AgeRow(name, ages) for name, ages in sensitivity.items()]))
-    page = notebook.write_page(
-        None,
-        milestones=_milestones(reached),
-        rising=_steady(motors, "maturing", 1),
-        falling=_steady(motors, "published", -1),
-        strengths=_strengths(motors),
-        **_rests(rests),
-        sensitivity=_sensitivity(reached, sensitivity),
-    )
     forget_searches(notebook.folder)
-    return page
+    return Measures(motors, rests, sitters, results, reached, sensitivity)
 
 
 def infants(law: None) -> Iterator[InfantSpec]:
@@ -117,19 +215,24 @@ def _vary(
     }
 
 
-def _write_strengths(notebook: Notebook, measured: Sequence[Strength]) -> Motors:
-    heading = "development,age_months,actuator,direction,torque_nm,moment_nm,ratio"
+def _strength_table(found: Measures) -> Table:
     directions = {1: "positive", -1: "negative"}
-    cells = (
+    months = dict.fromkeys(it.age_months for motor in found.strengths.values() for it in motor)
+    rows = (
         (it.development, it.age_months, it.actuator, directions[it.direction], it.torque_nm, it.moment_nm, it.ratio)
-        for it in measured
+        for law in LAWS
+        for age in months
+        for motor in found.strengths.values()
+        for it in motor
+        if (it.development, it.age_months) == (law, age)
     )
-    notebook.write_table("strength.csv", heading, cells)
-    motors: dict[tuple[str, str, int], list[Strength]] = {}
-    for item in measured:
-        motors.setdefault((item.development, item.actuator, item.direction), []).append(item)
-    notebook.write_plots("strength.png", [_strength_plot(motors, law) for law in LAWS])
-    return motors
+    return "development,age_months,actuator,direction,torque_nm,moment_nm,ratio", rows
+
+
+def _rest_table(found: Measures) -> Table:
+    slumps = ",".join(f"slump_from_{lean:g}_deg" for lean in LEANS)
+    heading = f"development,age_months,hip_deg,knee_deg,elbow_deg,head_upright_deg,head_leaning_back_deg,{slumps}"
+    return heading, map(_rest_cells, found.rests)
 
 
 def _strength_plot(motors: Motors, law: str) -> Plot:
@@ -192,21 +295,27 @@ def _forward(rests: Sequence[Rest]) -> str:
     return ", ".join(parts)
 
 
-def _write_milestones(notebook: Notebook, results: Mapping[Case, SearchResult], reached: Reached) -> None:
-    heading = "development,milestone,age_months,success,ended_s,reason,posture"
-    attempts = (
+def _attempts(found: Measures) -> Table:
+    return "development,milestone,age_months,success,ended_s,reason,posture", (
         (case.development, case.trial, age, "yes" if it.success else "no", it.seconds, it.reason, it.strategy)
-        for case, result in results.items()
+        for case, result in found.searches.items()
+        if case.conditions == Conditions()
         for age, it in result.outcomes.items()
     )
-    notebook.write_table("attempts.csv", heading, attempts)
+
+
+def _milestone_sheet(found: Measures) -> Sheet:
     windows = {name: (window.youngest_months, window.oldest_months) for name, window in WINDOWS.items()}
-    rows = [AgeRow(name, by_law, windows.get(name, ())) for name, by_law in reached.items()]
-    notebook.write_picture("milestones.png", _rows_png(rows))
+    return _rows_sheet([AgeRow(name, by_law, windows.get(name, ())) for name, by_law in found.reached.items()])
 
 
-def _rows_png(rows: Sequence[AgeRow]) -> bytes:
-    return encode(rows_sheet(rows, "real infants", ages_months=(0.0, OLDEST_SHOWN_MONTHS)))
+def _sensitivity_table(found: Measures) -> Table:
+    rows = ((name, *item) for name, by_condition in found.sensitivity.items() for item in by_condition.items())
+    return "milestone,condition,age_months", rows
+
+
+def _rows_sheet(rows: Sequence[AgeRow]) -> Sheet:
+    return rows_sheet(rows, "real infants", ages_months=(0.0, OLDEST_SHOWN_MONTHS))
 
 
 def _milestones(reached: Reached) -> str:
@@ -228,3 +337,29 @@ def _sensitivity(reached: Reached, sensitivity: Reached) -> str:
         for name, by_condition in sensitivity.items()
     ]
     return markdown_table(("trial", "as above", *VARIATIONS), rows)
+
+
+EXPERIMENT = Experiment(
+    name="development",
+    measure=measure,
+    files={
+        "strength.csv": _strength_table,
+        "strength.png": lambda found: [_strength_plot(found.strengths, law) for law in LAWS],
+        "rest.csv": _rest_table,
+        "sitting.png": lambda found: encode_palette_png(tile_pictures(found.sitting, rows=LAWS), COLOURS),
+        "attempts.csv": _attempts,
+        "milestones.png": _milestone_sheet,
+        "sensitivity.csv": _sensitivity_table,
+        "sensitivity.png": lambda found: _rows_sheet([AgeRow(name, ages) for name, ages in found.sensitivity.items()]),
+    },
+    page=PAGES / "development.md",
+    numbers=lambda found: {
+        "milestones": _milestones(found.reached),
+        "rising": _steady(found.strengths, "maturing", 1),
+        "falling": _steady(found.strengths, "published", -1),
+        "strengths": _strengths(found.strengths),
+        **_rests(found.rests),
+        "sensitivity": _sensitivity(found.reached, found.sensitivity),
+    },
+    infants=infants,
+)

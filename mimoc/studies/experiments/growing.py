@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from math import comb
 from pathlib import Path
 from statistics import fmean
@@ -14,10 +15,11 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
+from mimoc.runtime.growth_wrapper import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
+from mimoc.studies.experiment import Experiment, Table, child
 from mimoc.studies.experiments import learner as learning
 from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, THOUSANDS, Learner, by_group, mean_and_range
-from mimoc.studies.experiments.notebook import Cell, Notebook, child, table_rows
+from mimoc.studies.notebook import PAGES, Cell, Notebook, table_rows
 from mimoc.training import Episode, evaluate, load_policy
 from mimoc.training.run_folder import CHECKPOINTS
 
@@ -40,58 +42,29 @@ COLUMNS = (Learner.success_rate, Learner.episode_return, *MEASURES.values())  # 
 BETTER, WORSE, SAME = "better", "worse", "not distinguishable"
 
 
-def run(notebook: Notebook) -> Path:
-    """Train infants by each schedule (or resume interrupted runs), compare them, and return the path of the report."""
+@dataclass(frozen=True, slots=True)
+class Trained:
+    """Trained infants, and one that moves at random, for the same balls."""
+
+    learners: Sequence[Learner]
+    untrained: Sequence[Episode]
+    steps: int  # Control steps of each training.
+    check_balls: int
+
+    @property
+    def groups(self) -> Groups:
+        """The infants by schedule of growth."""
+        return by_group(self.learners)
+
+
+def measure(notebook: Notebook) -> Trained:
+    """Train infants by each schedule, or resume interrupted runs."""
     steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
     balls, check_balls = (QUICK_BALLS, QUICK_CHECK_BALLS) if notebook.quick else (BALLS, CHECK_BALLS)
     bundle = reaching(AGES_MONTHS[1])
     learners = list(_learners(notebook, bundle, steps, seeds))
-    groups = by_group(learners)
     with closing(InfantEnv(bundle)) as env:
-        untrained = evaluate(env, "random", balls, seed=FIRST_BALL)
-    rows = (
-        (item.group, item.seed, done, schedule_of(item.group, item.seed, steps)(done - 1), *cells)
-        for item in learners
-        for done, cells in item.learning()
-    )
-    heading = "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return"
-    notebook.write_table("learning.csv", heading, rows)
-    rows = (
-        (item.group, item.seed, done, *_outcome(reach))
-        for item in learners
-        for done, reaches in item.checks.items()
-        for reach in reaches
-    )
-    notebook.write_table("checks.csv", "schedule,seed,steps,ball,success,time_s,episode_return", rows)
-    notebook.write_table(
-        "reaches.csv",
-        "schedule,seed,ball,success,time_s,episode_return",
-        ((item.group, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
-    )
-    finals = (Learner.success_rate, *MEASURES.values())
-    rows = (
-        (it.group, it.seed, len(it.reaches), *(measure(it) for measure in finals), it.episode_return())
-        for it in learners
-    )
-    heading = "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return"
-    notebook.write_table("final.csv", heading, rows)
-    notebook.write_plots("growing.png", list(_plots(groups, untrained, steps)))
-    return notebook.write_page(
-        None,
-        *LIBRARIES,
-        **comparison(groups, untrained, AGES_MONTHS),
-        steps=steps,
-        seeds=len(seeds),
-        balls=balls,
-        check_balls=check_balls,
-        training_seeds=", ".join(map(str, seeds)),
-        first_ball=FIRST_BALL,
-    )
-
-
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infant at its youngest and oldest age."""
-    yield from map(reaching, AGES_MONTHS)
+        return Trained(learners, evaluate(env, "random", balls, seed=FIRST_BALL), steps, check_balls)
 
 
 def reaching(age_months: float) -> Bundle:
@@ -142,6 +115,8 @@ def comparison(groups: Groups, untrained: Sequence[Episode], ages_months: tuple[
         for other in others
         for name in MEASURES
     )
+    random = [fmean(getattr(reach, name) for reach in untrained) for name in ("success", "total_reward", "duration_s")]
+    rows = [(f"`{name}`", *(mean_and_range(group, column) for column in COLUMNS)) for name, group in groups.items()]
     return {
         "youngest": youngest,
         "oldest": oldest,
@@ -150,19 +125,13 @@ def comparison(groups: Groups, untrained: Sequence[Episode], ages_months: tuple[
         "stage": STAGE_MONTHS,
         "jumps": stages - 1,
         "schedules": schedules,
-        "table": _table(groups, untrained),
+        "table": table_rows([*rows, ("random policy", *(f"{value:.3f}" for value in random), "-")]),
         "chance": 2 / comb(2 * count, count),
         "comparisons": f"{lines.removesuffix(';')}.",
         "answer": _answer(outcomes.pop("adult")),
         "order": _order(outcomes),
         "random": fmean(reach.success for reach in untrained),
     }
-
-
-def _table(groups: Groups, untrained: Sequence[Episode]) -> str:
-    random = [fmean(getattr(reach, name) for reach in untrained) for name in ("success", "total_reward", "duration_s")]
-    rows = [(f"`{name}`", *(mean_and_range(group, column) for column in COLUMNS)) for name, group in groups.items()]
-    return table_rows([*rows, ("random policy", *(f"{value:.3f}" for value in random), "-")])
 
 
 def _compared(groups: Groups, other: str, measure: str) -> str:
@@ -204,10 +173,55 @@ def _outcome(reach: Episode) -> tuple[Cell, ...]:
     return reach.seed, float(reach.success), reach.duration_s, reach.total_reward
 
 
+def _learning(found: Trained) -> Table:
+    return "schedule,seed,steps,age_months,episodes,success_rate,time_s,episode_return", (
+        (item.group, item.seed, done, schedule_of(item.group, item.seed, found.steps)(done - 1), *cells)
+        for item in found.learners
+        for done, cells in item.learning()
+    )
+
+
+def _checks(found: Trained) -> Table:
+    return "schedule,seed,steps,ball,success,time_s,episode_return", (
+        (item.group, item.seed, done, *_outcome(reach))
+        for item in found.learners
+        for done, reaches in item.checks.items()
+        for reach in reaches
+    )
+
+
+def _reaches(found: Trained) -> Table:
+    return "schedule,seed,ball,success,time_s,episode_return", (
+        (item.group, item.seed, *_outcome(reach)) for item in found.learners for reach in item.reaches
+    )
+
+
+def _finals(found: Trained) -> Table:
+    finals = (Learner.success_rate, *MEASURES.values())
+    return "schedule,seed,balls,success_rate,time_s,time_over_checkpoints_s,episode_return", (
+        (it.group, it.seed, len(it.reaches), *(measure(it) for measure in finals), it.episode_return())
+        for it in found.learners
+    )
+
+
+def _numbers(found: Trained) -> dict[str, object]:
+    seeds = dict.fromkeys(learner.seed for learner in found.learners)
+    return {
+        **comparison(found.groups, found.untrained, AGES_MONTHS),
+        "steps": found.steps,
+        "seeds": len(seeds),
+        "balls": len(found.untrained),
+        "check_balls": found.check_balls,
+        "training_seeds": ", ".join(map(str, seeds)),
+        "first_ball": FIRST_BALL,
+    }
+
+
 TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 
 
-def _plots(groups: Groups, untrained: Sequence[Episode], steps: int) -> Iterator[Plot]:
+def _plots(found: Trained) -> Iterator[Plot]:
+    groups, untrained, steps = found.groups, found.untrained, found.steps
     tested = f"at {AGES_MONTHS[1]:g} months"
     done, firsts = np.arange(0, steps, max(1, steps // 500)), [group[0] for group in groups.values()]
     ages = tuple(
@@ -229,3 +243,20 @@ def _plots(groups: Groups, untrained: Sequence[Episode], steps: int) -> Iterator
     )
     touched = Quantity("touched", "Balls touched", "%")
     yield Plot(TIME_TO_TOUCH, touched, dots=dots, title=f"After training, {tested}")
+
+
+EXPERIMENT = Experiment(
+    name="growing",
+    measure=measure,
+    files={
+        "learning.csv": _learning,
+        "checks.csv": _checks,
+        "reaches.csv": _reaches,
+        "final.csv": _finals,
+        "growing.png": _plots,
+    },
+    page=PAGES / "growing.md",
+    numbers=_numbers,
+    libraries=LIBRARIES,
+    infants=lambda law: map(reaching, AGES_MONTHS),
+)

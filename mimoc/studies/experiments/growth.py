@@ -1,15 +1,14 @@
 """Growth from birth to two years, compared with WHO's standards (López et al. 2025, figure 2 a-c)."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 
 from mimoc.fits.who import Reference
-from mimoc.render.plots.file import encode
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.notebook import Notebook, figures_of, table_rows
-from mimoc.studies.growth.plot import growth_sheet
-from mimoc.studies.growth.who import GrowthReport, grow_against_who
+from mimoc.studies.experiment import Experiment, Table, figures_of
+from mimoc.studies.growth import GrowthReport, grow_against_who
+from mimoc.studies.growth_plots import growth_sheet
+from mimoc.studies.notebook import PAGES, Notebook, months_text, table_rows
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 1, 2, 4, 6, 9, 12, 18, 24)
@@ -23,30 +22,10 @@ NAMES = {
 SEXES: Mapping[str, Reference] = {"boys": "male", "girls": "female"}
 
 
-def run(notebook: Notebook) -> Path:
-    """Measure the growth of the average child, and return the path of the report."""
+def measure(notebook: Notebook) -> GrowthReport:
+    """Measure the growth of the average child."""
     months = QUICK_MONTHS if notebook.quick else MONTHS
-    report = grow_against_who(next(infants(notebook.law)), months, notebook.progress)
-    heading = "age_months,indicator,value,z_boys,z_girls,z_mean,percentile"
-    references = ("male", "female", "mean")
-    cells = (
-        (row.age_months, row.indicator, row.value, *(row.z[name] for name in references), row.percentile["mean"])
-        for row in report.rows
-    )
-    notebook.write_table("growth.csv", heading, cells)
-    notebook.write_picture("growth.png", encode(growth_sheet(report.series)))
-    farthest = max(report.worst.values(), key=lambda row: abs(row.z["mean"]))
-    return notebook.write_page(
-        dict(_measured(report)),
-        count=len(months),
-        holds="The same holds" if report.passed else "This does NOT always hold",
-        farthest=f"{NAMES[farthest.indicator]} at {farthest.age_months:g} months, z = {farthest.z['mean']:+.2f}",
-        table=table_rows(_worst(report)),
-        within=", ".join(
-            f"{NAMES[indicator]} at {sum(not row.outside_one_sd for row in rows)} of {len(rows)}"
-            for indicator, rows in report.by_indicator.items()
-        ),
-    )
+    return grow_against_who(next(infants(notebook.law)), months, notebook.progress)
 
 
 def infants(law: Development) -> Iterator[InfantSpec]:
@@ -55,9 +34,31 @@ def infants(law: Development) -> Iterator[InfantSpec]:
         yield InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=law)
 
 
+def _table(report: GrowthReport) -> Table:
+    references = ("male", "female", "mean")
+    return "age_months,indicator,value,z_boys,z_girls,z_mean,percentile", (
+        (row.age_months, row.indicator, row.value, *(row.z[name] for name in references), row.percentile["mean"])
+        for row in report.rows
+    )
+
+
+def _numbers(report: GrowthReport) -> dict[str, object]:
+    farthest = max(report.worst.values(), key=lambda row: abs(row.z["mean"]))
+    return {
+        "count": len({row.age_months for row in report.rows}),
+        "holds": "The same holds" if report.passed else "This does NOT always hold",
+        "farthest": f"{NAMES[farthest.indicator]} at {farthest.age_months:g} months, z = {farthest.z['mean']:+.2f}",
+        "table": table_rows(_worst(report)),
+        "within": ", ".join(
+            f"{NAMES[indicator]} at {sum(not row.outside_one_sd for row in rows)} of {len(rows)}"
+            for indicator, rows in report.by_indicator.items()
+        ),
+    }
+
+
 def _measured(report: GrowthReport) -> Iterator[tuple[str, float | str]]:
     for row in report.rows:
-        what = f"{NAMES[row.indicator]} at {row.age_months:g} month{'s' * (row.age_months != 1)}"
+        what = f"{NAMES[row.indicator]} at {months_text(row.age_months)}"
         yield f"{what} [{row.indicator.rpartition('_')[2]}]", row.value
         for sex, reference in SEXES.items():
             yield f"{what}, z among {sex}", row.z[reference]
@@ -75,3 +76,15 @@ def _worst(report: GrowthReport) -> Iterator[tuple[str, ...]]:
         known = [item.paper for item in figures_of("growth") if item.quantity.startswith(f"{NAMES[indicator]} at ")]
         of_mimo = max((z for z in known if z[0] in "+-"), key=lambda z: abs(float(z)), default="not known")
         yield NAMES[indicator], f"{worst.z['mean']:+.2f}", f"{worst.age_months:g}", *ours, of_mimo
+
+
+EXPERIMENT = Experiment(
+    name="growth",
+    measure=measure,
+    files={"growth.csv": _table, "growth.png": lambda report: growth_sheet(report.series)},
+    page=PAGES / "growth.md",
+    numbers=_numbers,
+    measured=lambda report: dict(_measured(report)),
+    infants=infants,
+    development="maturing",
+)

@@ -3,33 +3,58 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from mimoc.base.quantities import QUANTITIES, Quantity
 from mimoc.base.quantities.child import AGE
-from mimoc.bundle.io import Bundle
 from mimoc.movement.filming import RATE_HZ, Filmed
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.measures import kicks_of, leg_lengths
+from mimoc.movement.measures import kicks_of, leg_lengths, trunk_paths
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
-from mimoc.movement.trunk_frame import trunk_paths
-from mimoc.render.plots.file import encode
 from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
-from mimoc.studies.experiments.legs.driving import Mover
-from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, open_infant
-from mimoc.studies.experiments.legs.intervals import Interval, band_of, interval, sign_test
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.comparison import ASSUMPTION, Reference, band_of, interval, sign_test
+from mimoc.studies.experiment import Experiment, Results, TrialResult, measures_table
+from mimoc.studies.experiments.legs import MONTHS_PER_WEEK, Mover, Setup, bundle_of, open_infant
+from mimoc.studies.notebook import PAGES, Notebook, months_text, table_rows
 
 MONTHS: Sequence[float] = (0, 1, 3, 6)
 WEEKS: Sequence[float] = (6, 12, 18)
 QUICK_MONTHS: Sequence[float] = (0, 3)
-QUICK_WEEKS: Sequence[float] = ()
-SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 20.0
 SHOWN_SEED = 0
 SHOWN_S = 20.0  # Time in which loops of hip and knee are drawn.
+RATE, HIP_KNEE, KNEE_ANKLE, LEGS = "kicks_per_min", "kick_hip_knee_r", "kick_knee_ankle_r", "legs_together_r"
+
+
+def _assumed(low: float, high: float, source: str, until_months: float = 6.0) -> Reference:
+    return Reference(
+        youngest_months=0, oldest_months=until_months, low=low, high=high, certainty=ASSUMPTION, source=source
+    )
+
+
+def _read(low: float, high: float) -> Reference:
+    source = "Trujillo-Priego & Smith 2017, 1-12 months (R)"
+    return Reference(youngest_months=0, oldest_months=6, low=low, high=high, certainty="read", source=source)
+
+
+RANGES = "after Thelen; Fry-Hilderbrand 2022"
+NEWBORNS = "after Thelen 1985; Fetters 2004, newborns"
+PUBLISHED: Mapping[str, tuple[str, Reference | None]] = {
+    RATE: ("Kicks", _assumed(5, 15, "after Thelen; Rovee-Collier")),
+    "kick_amplitude_trunk": ("Size", None),
+    "hip_excursion_deg": ("Hip", _assumed(30, 60, RANGES)),
+    "knee_excursion_deg": ("Knee", _assumed(40, 70, RANGES)),
+    "ankle_excursion_deg": ("Ankle", _assumed(20, 40, RANGES)),
+    "kick_extension_s": ("Extending", _assumed(0.3, 0.4, "after Thelen et al. 1981")),
+    "kick_flexion_s": ("Flexing", _assumed(0.3, 0.4, "after Thelen et al. 1981")),
+    "kick_acceleration_trunk_s2": ("Peak in a kick", None),
+    "leg_movement_s": ("Movement", _read(0.23, 0.33)),
+    "leg_movement_m_s2": ("Peak in a movement", _read(3.1, 8.83)),
+    HIP_KNEE: ("Hip and knee", _assumed(0.8, 0.9, NEWBORNS, 1)),
+    KNEE_ANKLE: ("Knee and ankle", _assumed(0.5, 0.8, NEWBORNS, 1)),
+    LEGS: ("Left and right", None),
+}
+"""Label in a small plot and published figures, by measure of `mimoc movement`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,47 +65,31 @@ class Case:
     seconds: float
 
 
-@dataclass(frozen=True, slots=True)
-class Published:
-    """What real infants do, by a measure of `mimoc movement`."""
+def cases(notebook: Notebook) -> list[Case]:
+    """Return the infants of all ages."""
+    months, weeks = (QUICK_MONTHS, ()) if notebook.quick else (MONTHS, WEEKS)
+    seconds = QUICK_SECONDS if notebook.quick else SECONDS
+    return [Case(age, seconds) for age in sorted((*months, *(week * MONTHS_PER_WEEK for week in weeks)))]
 
-    measure: str
-    short: str  # Its label in a small plot.
-    low: float | None = None  # None if only recordings of real infants tell.
-    high: float | None = None
-    source: str = "-"
-    """With R for read in the paper or its abstract; what is not is an assumption, by which nothing is judged."""
-    until_months: float = 6  # The oldest age that it is about.
 
-    @property
-    def quantity(self) -> Quantity:
-        """What is measured."""
-        return QUANTITIES[self.measure]
+def kicking(case: Case, seed: int) -> TrialResult:
+    """Let an infant lie on its back and move by itself for a while, and measure its kicks."""
+    with closing(open_infant(Setup(case.age_months))) as env:
+        film = Mover(env, seed).film(case.seconds)
+    measured = measure_all([film]).infants[0]
+    values = {name: measured[name] for name in PUBLISHED if name in measured}
+    return TrialResult(values=values, traces=_loop(film) if seed == SHOWN_SEED else {})
 
-    @property
-    def range(self) -> tuple[float, float] | None:
-        """What was read in a publication, or else the real infants' mean ± 2 SD."""
-        if self.low is not None and self.high is not None and not self.source.endswith(ASSUMED):
-            return self.low, self.high
-        return recorded(self.measure)
 
-    @property
-    def shown(self) -> tuple[float, float] | None:
-        """What the plot shows of real infants: the same, or what is assumed of them."""
-        return self.range if self.low is None or self.high is None else (self.low, self.high)
-
-    @property
-    def text(self) -> str:
-        """What the table shows as published."""
-        if self.low is None or self.high is None:
-            return "-"
-        return f"{self.low:g} to {self.high:g}" + (f" until {self.until_months:g} mo" if self.until_months < 6 else "")
-
-    def verdict(self, age_months: float, value: Interval) -> str:
-        """Return whether a mean is inside or out."""
-        if self.range is None or age_months > self.until_months:
-            return ""
-        return " in" if value.overlaps(*self.range) else " **out**"
+def _loop(film: Filmed) -> dict[str, tuple[float, ...]]:
+    """Return the angles of hip and knee in the part of a film that has most kicks."""
+    leg, length = leg_lengths(trunk_paths(film.seen))[0], round(SHOWN_S * RATE_HZ)
+    peaks = [kick.peak for kick in kicks_of(leg, RATE_HZ)]
+    starts = [max(0, min(peak - round(RATE_HZ), len(leg) - length)) for peak in peaks] or [0]
+    start = max(starts, key=lambda first: sum(first <= peak < first + length for peak in peaks))
+    angles_deg = joint_angles(film.space or film.seen)
+    part = slice(start, start + length)
+    return {joint: tuple(angles_deg[f"left_{joint}"][part].round(2).tolist()) for joint in ("hip", "knee")}
 
 
 def recorded(measure: str) -> tuple[float, float] | None:
@@ -92,133 +101,100 @@ def recorded(measure: str) -> tuple[float, float] | None:
     return mean - 2 * deviation, mean + 2 * deviation
 
 
-RATE, HIP_KNEE, KNEE_ANKLE, LEGS = "kicks_per_min", "kick_hip_knee_r", "kick_knee_ankle_r", "legs_together_r"
-ASSUMED = "(an assumption)"
-RANGES = f"after Thelen; Fry-Hilderbrand 2022 {ASSUMED}"
-NEWBORNS = f"after Thelen 1985; Fetters 2004, newborns {ASSUMED}"
-TRUJILLO = "Trujillo-Priego & Smith 2017, 1-12 months (R)"
-PUBLISHED: Sequence[Published] = (
-    Published(RATE, "Kicks", 5, 15, f"after Thelen; Rovee-Collier {ASSUMED}"),
-    Published("kick_amplitude_trunk", "Size"),
-    Published("hip_excursion_deg", "Hip", 30, 60, RANGES),
-    Published("knee_excursion_deg", "Knee", 40, 70, RANGES),
-    Published("ankle_excursion_deg", "Ankle", 20, 40, RANGES),
-    Published("kick_extension_s", "Extending", 0.3, 0.4, f"after Thelen et al. 1981 {ASSUMED}"),
-    Published("kick_flexion_s", "Flexing", 0.3, 0.4, f"after Thelen et al. 1981 {ASSUMED}"),
-    Published("kick_acceleration_trunk_s2", "Peak in a kick"),
-    Published("leg_movement_s", "Movement", 0.23, 0.33, TRUJILLO),
-    Published("leg_movement_m_s2", "Peak in a movement", 3.1, 8.83, TRUJILLO),
-    Published(HIP_KNEE, "Hip and knee", 0.8, 0.9, NEWBORNS, 1),
-    Published(KNEE_ANKLE, "Knee and ankle", 0.5, 0.8, NEWBORNS, 1),
-    Published(LEGS, "Left and right"),
-)
-
-Seeds = Sequence[Mapping[str, float]]  # Measures of each seed.
+def usual(measure: str, *, assumed: bool = False) -> tuple[float, float] | None:
+    """Return the range that was read in a publication, or perhaps *assumed*, or else that of recorded infants."""
+    published = PUBLISHED[measure][1]
+    if published and (assumed or published.certainty != ASSUMPTION):
+        return (published.low or 0.0, published.high or 0.0)
+    return recorded(measure)
 
 
-def run(notebook: Notebook) -> Path:
-    """Let infants of several ages kick, and return the path of the report."""
-    quick = notebook.quick
-    months, weeks = (QUICK_MONTHS, QUICK_WEEKS) if quick else (MONTHS, WEEKS)
-    seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
-    ages = sorted((*months, *(week * MONTHS_PER_WEEK for week in weeks)))
-    results = run_cases(notebook, [(kicking, Case(age, seconds)) for age in ages], seeds)
-    write_measures(notebook, "kicks.csv", results, seeds, age_months="age_months")
-    by_age = {case.age_months: [result.values for result in same] for case, same in results.items()}
-    loops = {case.age_months: same[0] for case, same in results.items()}
-    sheet = Sheet(tuple(_age_plots(by_age)), columns=4, panel_px=(480, 380))
-    notebook.write_picture("kicks.png", encode(sheet))
+def _months_of(results: Results) -> dict[float, Case]:
+    """Return the cases of whole months, by age."""
+    return {case.age_months: case for case in results.by_case if case.age_months in MONTHS}
+
+
+def _loops(results: Results) -> Iterator[Plot]:
     hip, knee = Quantity("hip_deg", "Hip", "°"), Quantity("knee_deg", "Knee", "°")
-    plots = []
-    for age in months:
-        line = Line(loops[age].traces["hip"], loops[age].traces["knee"], "", "median")
-        title = f"{age:g} month{'s' * (age != 1)}"
-        plots.append(Plot(hip, knee, (line,), title=title, x_range=(40, 180), y_range=(25, 180)))
-    notebook.write_plots("loops.png", plots)
-    page = notebook.write_page(
-        None,
-        "scipy",
-        months=", ".join(f"{age:g}" for age in months),
-        weeks=f" and of {', '.join(f'{week:g}' for week in weeks)} weeks" if weeks else "",
-        seeds=len(seeds),
-        seconds=seconds,
-        shown=SHOWN_S,
-        headings=" | ".join(f"{age:g} mo" for age in months),
-        rules=" | ".join("---" for _ in months),
-        table=_table({age: by_age[age] for age in months}),
-        directions=_directions(by_age),
-    )
-    forget_trials(notebook)
-    return page
+    for age, case in _months_of(results).items():
+        traces = results.by_case[case][0].traces
+        line = Line(traces["hip"], traces["knee"], "", "median")
+        yield Plot(hip, knee, (line,), title=months_text(age), x_range=(40, 180), y_range=(25, 180))
 
 
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infant at each whole month."""
-    yield from (bundle_of(Setup(age_months)) for age_months in MONTHS)
+def _by_age(results: Results) -> Sheet:
+    plots = list[Plot]()
+    for measure, (label, published) in PUBLISHED.items():
+        values = {case.age_months: some for case in results.by_case if (some := results.values(case, measure))}
+        means = [interval(some) for some in values.values()]
+        bands = [band_of(list(values), means, "95 % interval", "band")]
+        if shown := usual(measure, assumed=True):
+            end = min(published.oldest_months if published else 6.0, max(case.age_months for case in results.by_case))
+            bands.append(Band([0, end], [shown[0]] * 2, [shown[1]] * 2, "real infants", "usual"))
+        lines = (Line(list(values), [mean.mean for mean in means], "mean", "median"),)
+        dots = [(age, value) for age, some in values.items() for value in some]
+        points = (Dots([age for age, _ in dots], [value for _, value in dots], "infants", "whisker"),)
+        plots.append(Plot(AGE, replace(QUANTITIES[measure], label=label), lines, tuple(bands), points))
+    return Sheet(tuple(plots), columns=4, panel_px=(480, 380))
 
 
-def kicking(case: Case, seed: int) -> Result:
-    """Let an infant lie on its back and move by itself for a while, and measure its kicks."""
-    with closing(open_infant(Setup(case.age_months))) as env:
-        film = Mover(env, seed).film(case.seconds)
-    measured = measure_all([film]).infants[0]
-    values = {item.measure: measured[item.measure] for item in PUBLISHED if item.measure in measured}
-    return Result(values=values, traces=_shown(film) if seed == SHOWN_SEED else {})
+def _numbers(results: Results) -> dict[str, object]:
+    cases, months = list(results.by_case), _months_of(results)
+    weeks = () if results.notebook.quick else WEEKS
+    return {
+        "months": ", ".join(f"{age:g}" for age in months),
+        "weeks": f" and of {', '.join(f'{week:g}' for week in weeks)} weeks" if weeks else "",
+        "seconds": cases[0].seconds,
+        "shown": SHOWN_S,
+        "headings": " | ".join(f"{age:g} mo" for age in months),
+        "rules": " | ".join("---" for _ in months),
+        "table": table_rows(_row(results, measure) for measure in PUBLISHED),
+        "directions": _directions(results),
+    }
 
 
-def _shown(film: Filmed) -> dict[str, tuple[float, ...]]:
-    leg, length = leg_lengths(trunk_paths(film.seen))[0], round(SHOWN_S * RATE_HZ)
-    peaks = [kick.peak for kick in kicks_of(leg, RATE_HZ)]
-    starts = [max(0, min(peak - round(RATE_HZ), len(leg) - length)) for peak in peaks] or [0]
-    start = max(starts, key=lambda first: sum(first <= peak < first + length for peak in peaks))
-    angles_deg = joint_angles(film.space or film.seen)
-    part = slice(start, start + length)
-    return {joint: tuple(angles_deg[f"left_{joint}"][part].round(2).tolist()) for joint in ("hip", "knee")}
+def _row(results: Results, measure: str) -> tuple[str, ...]:
+    published, text, source = PUBLISHED[measure][1], "-", "-"
+    if published:
+        until = f" until {published.oldest_months:g} mo" if published.oldest_months < 6 else ""
+        text = f"{published.low:g} to {published.high:g}{until}"
+        source = f"{published.source} (an assumption)" if published.certainty == ASSUMPTION else published.source
+    between = recorded(measure)
+    cells = (_cell(results, measure, case) for case in _months_of(results).values())
+    known = "{:.2g} to {:.2g}".format(*between) if between else "-"
+    return QUANTITIES[measure].heading, *cells, text, source, known
 
 
-def _of(values: Seeds, name: str) -> list[float]:
-    return [measures[name] for measures in values if name in measures]
-
-
-def _table(by_age: Mapping[float, Seeds]) -> str:
-    return table_rows(
-        (
-            item.quantity.heading,
-            *(_cell(item, age, _of(by_age[age], item.measure)) for age in by_age),
-            item.text,
-            item.source,
-            "{:.2g} to {:.2g}".format(*between) if (between := recorded(item.measure)) else "-",
-        )
-        for item in PUBLISHED
-    )
-
-
-def _cell(item: Published, age_months: float, values: Sequence[float]) -> str:
-    if not values:
+def _cell(results: Results, measure: str, case: Case) -> str:
+    if not results.values(case, measure):
         return "none"
-    mean = interval(values)
-    return mean.text(1 if mean.mean >= 5 else 2) + item.verdict(age_months, mean)
+    mean, published, verdict = results.mean(case, measure), PUBLISHED[measure][1], ""
+    if (ends := usual(measure)) and (published is None or published.holds_at(case.age_months)):
+        verdict = " in" if ends[0] <= mean.mean <= ends[1] else " **out**"
+    return mean.text(1 if mean.mean >= 5 else 2) + verdict
 
 
-def _directions(by_age: Mapping[float, Seeds]) -> str:
-    ages = list(by_age)
-    young, old = ages[0], ages[-1]
-    six, eighteen = (min(ages, key=lambda age, week=week: abs(age - week * MONTHS_PER_WEEK)) for week in (6, 18))
+def _directions(results: Results) -> str:
+    cases = list(results.by_case)
+    six, eighteen = (
+        min(cases, key=lambda case, week=week: abs(case.age_months - week * MONTHS_PER_WEEK)) for week in (6, 18)
+    )
     asked = (
         ("kicks are slightly fewer (Geerdink et al. 1996, R)", RATE, "falls", six, eighteen),
-        ("hip and knee part (Chen 2020, S; Piek 1996, R)", HIP_KNEE, "falls", young, old),
-        ("knee and ankle part (Chen 2020, S)", KNEE_ANKLE, "falls", young, old),
-        ("legs alternate less (Thelen et al. 1983, R)", LEGS, "rises", young, old),
+        ("hip and knee part (Chen 2020, S; Piek 1996, R)", HIP_KNEE, "falls", cases[0], cases[-1]),
+        ("knee and ankle part (Chen 2020, S)", KNEE_ANKLE, "falls", cases[0], cases[-1]),
+        ("legs alternate less (Thelen et al. 1983, R)", LEGS, "rises", cases[0], cases[-1]),
     )
     lines = [
-        f"- {text}, from {first:.2g} to {second:.2g} months: {_change(by_age, measure, way, first, second)}"
+        f"- {text}, from {first.age_months:.2g} to {second.age_months:.2g} months: "
+        f"{_change(results, measure, way, first, second)}"
         for text, measure, way, first, second in asked
     ]
     return ";\n".join(lines) + "."
 
 
-def _change(by_age: Mapping[float, Seeds], name: str, way: str, first: float, second: float) -> str:
-    pairs = zip(by_age[first], by_age[second], strict=True)
+def _change(results: Results, name: str, way: str, first: Case, second: Case) -> str:
+    pairs = zip(*([result.values for result in results.by_case[case]] for case in (first, second)), strict=True)
     changes = [after[name] - before[name] for before, after in pairs if name in before and name in after]
     if not changes:
         return "not measured"
@@ -226,15 +202,19 @@ def _change(by_age: Mapping[float, Seeds], name: str, way: str, first: float, se
     return f"{interval(changes).text()} {QUANTITIES[name].unit or 'r'}, p = {chance:.2g} that it {way} by chance"
 
 
-def _age_plots(by_age: Mapping[float, Seeds]) -> Iterator[Plot]:
-    for item in PUBLISHED:
-        ages = [age for age in by_age if _of(by_age[age], item.measure)]
-        means = [interval(_of(by_age[age], item.measure)) for age in ages]
-        dots = [(age, value) for age in ages for value in _of(by_age[age], item.measure)]
-        bands = [band_of(ages, means, "95 % interval", "band")]
-        if item.shown:
-            end, (low, high) = min(item.until_months, max(by_age)), item.shown
-            bands.append(Band([0, end], [low] * 2, [high] * 2, "real infants", "usual"))
-        lines = (Line(ages, [mean.mean for mean in means], "mean", "median"),)
-        points = (Dots([age for age, _ in dots], [value for _, value in dots], "infants", "whisker"),)
-        yield Plot(AGE, replace(item.quantity, label=item.short), lines, tuple(bands), points)
+EXPERIMENT = Experiment(
+    name="kicking",
+    trial=kicking,
+    cases=cases,
+    seeds=range(20),
+    quick={"seeds": range(2)},
+    files={
+        "kicks.csv": measures_table(age_months="age_months"),
+        "kicks.png": _by_age,
+        "loops.png": _loops,
+    },
+    page=PAGES / "kicking.md",
+    numbers=_numbers,
+    libraries=("scipy",),
+    infants=lambda law: (bundle_of(Setup(age_months)) for age_months in MONTHS),
+)

@@ -12,14 +12,15 @@ from mimoc.base.quantities import Quantity
 from mimoc.base.quantities.child import AGE
 from mimoc.base.units import ms_to_s
 from mimoc.compiler import pipeline
-from mimoc.compiler.noise_presets import motor_share
+from mimoc.compiler.presets import motor_share
 from mimoc.policies.control import GAIN_SETS
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.notebook import Cell, Notebook, child, page_text, table_rows, yes
+from mimoc.studies.experiment import Table, child
 from mimoc.studies.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M, UNIT_M_S, Reach, reach_once
+from mimoc.studies.notebook import page_text, table_rows, yes
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)  # Delays of the senses, the paper's.
 MOTOR_MS = 5.0  # Delay of commands, the paper's.
@@ -98,16 +99,20 @@ def reach_with_variants(
     return reaches
 
 
-def write_ataxia(notebook: Notebook, reaches: Reaches) -> None:
-    """Write `ataxia.csv` and `ataxia.png`."""
+def ataxia_table(reaches: Reaches) -> Table:
+    """Return the table of these reaches."""
     rows = (
         (variant.name, delay_ms, index, float(reach.arrived), *(MEASURES[name](reach) for name in ATAXIC))
         for (variant, delay_ms), same in reaches.items()
         for index, reach in enumerate(same)
     )
-    notebook.write_table("ataxia.csv", ",".join(("variant", "delay_ms", "reach", "arrived", *ATAXIC)), rows)
+    return ",".join(("variant", "delay_ms", "reach", "arrived", *ATAXIC)), rows
+
+
+def ataxia_plots(reaches: Reaches) -> list[Plot]:
+    """Return plots of the first reach of some variants."""
     names = [name for name in PLOTTED if any(variant.name == name for variant, _ in reaches)]
-    notebook.write_plots("ataxia.png", [_plot(reaches, name) for name in names])
+    return [_plot(reaches, name) for name in names]
 
 
 def _plot(reaches: Reaches, name: str) -> Plot:
@@ -220,32 +225,38 @@ def reach_at_ages(months: Sequence[float], count: int, most_s: float, counted: C
     return groups
 
 
-def write_reaches(notebook: Notebook, groups: Sequence[Group]) -> None:
-    """Write `infants.csv` and `infants.png`."""
+def infants_table(groups: Sequence[Group]) -> Table:
+    """Return the table of these reaches."""
     rows = (
-        (group.age_months, group.delay, index, *_reach_cells(reach))
+        (
+            group.age_months,
+            group.delay,
+            index,
+            float(reach.arrived),
+            reach.distance_m,
+            *(measure(reach) for measure in MEASURES.values()),
+        )
         for group in groups
         for index, reach in enumerate(group.reaches)
     )
     heading = ",".join(("age_months", "delay", "reach", "arrived", "distance_m", *MEASURES))
-    notebook.write_table("infants.csv", heading, rows)
+    return heading, rows
+
+
+def infants_plots(groups: Sequence[Group]) -> list[Plot]:
+    """Return plots of one reach, and of movement units and straightness by age."""
     onset, speed = Quantity("time_s", "Time since onset", "s"), Quantity("speed_m_s", "Speed of the hand", "m/s")
     units, ratio = Quantity("movement_units", "Movement units"), Quantity("path_ratio", "Path length / distance")
-    plots = [
+    return [
         Plot(onset, speed, tuple(_speeds(groups)), title="One reach"),
         Plot(AGE, units, tuple(_by_age(groups, "movement_units")), title="Movement units"),
         Plot(AGE, ratio, tuple(_by_age(groups, "path_ratio")), title="Straightness"),
     ]
-    notebook.write_plots("infants.png", plots)
 
 
 def by_delay(groups: Sequence[Group]) -> dict[str, list[Group]]:
     """Return the groups of each delay, by age."""
     return {delay: [group for group in groups if group.delay == delay] for delay in DELAYS}
-
-
-def _reach_cells(reach: Reach) -> tuple[Cell, ...]:
-    return (float(reach.arrived), reach.distance_m, *(measure(reach) for measure in MEASURES.values()))
 
 
 def _speeds(groups: Sequence[Group]) -> Iterator[Line]:

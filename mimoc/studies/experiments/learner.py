@@ -15,8 +15,9 @@ from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.notebook import Cell, Notebook, Progress
 from mimoc.studies.experiments.sensed_reaching import Movement
+from mimoc.studies.jobs import Progress
+from mimoc.studies.notebook import Cell, Notebook
 from mimoc.training import Curve, Episode, Training, train
 
 STEP_MS = 10.0  # Duration of a control step.

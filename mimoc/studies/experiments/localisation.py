@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +14,8 @@ from mimoc.compiler.pipeline import build
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.notebook import Notebook, child, table_rows
+from mimoc.studies.experiment import Experiment, Results, Table, child
+from mimoc.studies.notebook import PAGES, Notebook, table_rows
 
 MONTHS: Sequence[float] = (2, 4, 6, 12, 18)
 QUICK_MONTHS: Sequence[float] = (4, 18)
@@ -47,42 +47,30 @@ class Ears:
     times_us: tuple[float, ...]  # By how much later the right ear heard each of them.
 
 
-def run(notebook: Notebook) -> Path:
-    """Let infants of several ages hear bursts of noise, and return the path of the report."""
-    months, angles = (QUICK_MONTHS, QUICK_ANGLES_DEG) if notebook.quick else (MONTHS, ANGLES_DEG)
-    trials = QUICK_TRIALS if notebook.quick else TRIALS
-    count = notebook.counter(len(months))
-    heard = [count(hear(age_months, angles)) for age_months in months]
-    fitted = next(ears for ears in heard if ears.age_months == FITTED_MONTHS)
-    fitted_us = float(np.interp(float(np.mean(PUBLISHED_DEG[FITTED_MONTHS])), fitted.angles_deg, fitted.times_us))
-    by_source_us = {"angles at 4 months": fitted_us, "times at 4 to 6 months": float(np.mean(PUBLISHED_US))}
-    noises_us = {name: time_us / QUANTILE for name, time_us in by_source_us.items()}
-    angles_deg = {name: [judged_deg(ears, noise_us, trials) for ears in heard] for name, noise_us in noises_us.items()}
-    rows = [
-        (ears.age_months, angle_deg, time_us, 1e6 * float(interaural_time_s(np.radians(angle_deg), ears.radius_m)))
-        for ears in heard
-        for angle_deg, time_us in zip(ears.angles_deg, ears.times_us, strict=True)
-    ]
-    notebook.write_table("times.csv", "age_months,azimuth_deg,time_us,woodworth_us", rows)
-    table = [(ears.age_months, 100 * ears.radius_m, *values) for ears, *values in zip(heard, *angles_deg.values())]  # noqa: B905
-    notebook.write_table("angles.csv", "age_months,radius_cm,fitted_to_angle_deg,fitted_to_times_deg", table)
-    low, high = zip(*(PUBLISHED_DEG[ears.age_months] for ears in heard), strict=True)
-    ages = [ears.age_months for ears in heard]
-    lines = tuple(Line(ages, values, f"noise from {name}") for name, values in angles_deg.items())
-    angles_plot = Plot(AGE, ANGLE, lines, bands=(Band(ages, low, high, "published"),), title="Minimum audible angle")
-    notebook.write_plots("localisation.png", [_times_plot(heard), angles_plot])
-    return notebook.write_page(None, **_numbers(heard, rows, noises_us, list(angles_deg.values()), trials))
+@dataclass(frozen=True, slots=True)
+class Case:
+    """An infant that hears sounds from some azimuths."""
+
+    age_months: float
+    angles_deg: tuple[float, ...]
 
 
-def hear(age_months: float, angles_deg: Sequence[float]) -> Ears:
+def cases(notebook: Notebook) -> list[Case]:
+    """Return the infant at each age."""
+    months, angles_deg = (QUICK_MONTHS, QUICK_ANGLES_DEG) if notebook.quick else (MONTHS, ANGLES_DEG)
+    return [Case(age_months, tuple(angles_deg)) for age_months in months]
+
+
+def hear(case: Case, seed: int) -> Ears:
     """Return by how much later the right ear of an infant hears bursts of noise from its left."""
-    burst_pa = 20e-6 * 10 ** (LEVEL_DB / 20) * DISTANCE_M * stream(0, "localisation.burst").standard_normal(1200)
+    age_months, angles_deg = case.age_months, case.angles_deg
+    burst_pa = 20e-6 * 10 ** (LEVEL_DB / 20) * DISTANCE_M * stream(seed, "localisation.burst").standard_normal(1200)
     with np.errstate(all="raise"):
         env = InfantEnv(_bundle(age_months))
         entry = env.manifest.senses.hearing
         times_us: list[float] = []
         for angle_deg in angles_deg:
-            env.reset(seed=0)
+            env.reset(seed=seed)
             head, angle = env.data.body(entry.head), np.radians(angle_deg)
             towards = np.array([np.cos(angle), np.sin(angle), 0.0]) * DISTANCE_M + entry.centre_m
             env.play(burst_pa, entry.sample_rate_hz, head.xpos + head.xmat.reshape(3, 3) @ towards)
@@ -114,13 +102,48 @@ def judged_deg(ears: Ears, noise_us: float, trials: int) -> float:
     return float(np.interp(CORRECT, np.maximum.accumulate(shares), ears.angles_deg))
 
 
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infant at each age."""
-    yield from map(_bundle, MONTHS)
-
-
 def _bundle(age_months: float) -> Bundle:
     return build(child("listener", age_months, senses={"hearing": {"output": "waveform", "thresholds": "age"}}))
+
+
+def _heard(results: Results) -> list[Ears]:
+    return [ears for (ears,) in results.by_case.values()]
+
+
+def _noises_us(heard: Sequence[Ears]) -> dict[str, float]:
+    """Return the timing noise of two observers, by what it is fitted to."""
+    fitted = next(ears for ears in heard if ears.age_months == FITTED_MONTHS)
+    fitted_us = float(np.interp(float(np.mean(PUBLISHED_DEG[FITTED_MONTHS])), fitted.angles_deg, fitted.times_us))
+    by_source_us = {"angles at 4 months": fitted_us, "times at 4 to 6 months": float(np.mean(PUBLISHED_US))}
+    return {name: time_us / QUANTILE for name, time_us in by_source_us.items()}
+
+
+def _angles_deg(results: Results) -> dict[str, list[float]]:
+    """Return the minimum audible angle at each age, by what the noise of the observer is fitted to."""
+    heard, trials = _heard(results), QUICK_TRIALS if results.notebook.quick else TRIALS
+    return {name: [judged_deg(ears, noise, trials) for ears in heard] for name, noise in _noises_us(heard).items()}
+
+
+def _times(heard: Sequence[Ears]) -> Iterator[tuple[float, ...]]:
+    for ears in heard:
+        for angle_deg, time_us in zip(ears.angles_deg, ears.times_us, strict=True):
+            law_us = 1e6 * float(interaural_time_s(np.radians(angle_deg), ears.radius_m))
+            yield ears.age_months, angle_deg, time_us, law_us
+
+
+def _angles_table(results: Results) -> Table:
+    both = zip(_heard(results), *_angles_deg(results).values(), strict=True)
+    rows = ((ears.age_months, 100 * ears.radius_m, *values) for ears, *values in both)
+    return "age_months,radius_cm,fitted_to_angle_deg,fitted_to_times_deg", rows
+
+
+def _plots(results: Results) -> list[Plot]:
+    heard = _heard(results)
+    low, high = zip(*(PUBLISHED_DEG[ears.age_months] for ears in heard), strict=True)
+    ages = [ears.age_months for ears in heard]
+    lines = tuple(Line(ages, values, f"noise from {name}") for name, values in _angles_deg(results).items())
+    angles_plot = Plot(AGE, ANGLE, lines, bands=(Band(ages, low, high, "published"),), title="Minimum audible angle")
+    return [_times_plot(heard), angles_plot]
 
 
 def _times_plot(heard: Sequence[Ears]) -> Plot:
@@ -134,14 +157,9 @@ def _times_plot(heard: Sequence[Ears]) -> Plot:
     return Plot(AZIMUTH, TIME, tuple(lines), dots=tuple(dots), title="Time between the ears")
 
 
-def _numbers(
-    heard: Sequence[Ears],
-    rows: Sequence[tuple[float, ...]],
-    noises_us: Mapping[str, float],
-    angles_deg: Sequence[Sequence[float]],
-    trials: int,
-) -> dict[str, object]:
-    fitted_us, timed_us = noises_us.values()
+def _numbers(results: Results) -> dict[str, object]:
+    heard, angles_deg = _heard(results), list(_angles_deg(results).values())
+    fitted_us, timed_us = _noises_us(heard).values()
     published = [PUBLISHED_DEG[ears.age_months] for ears in heard]
     needed_us = [
         float(np.interp(np.mean(ends), ears.angles_deg, ears.times_us))
@@ -152,8 +170,8 @@ def _numbers(
         "months": ", ".join(f"{ears.age_months:g}" for ears in heard),
         "level": LEVEL_DB,
         "distance": DISTANCE_M,
-        "trials": trials,
-        "error": max(abs(time_us - law_us) for *_, time_us, law_us in rows),
+        "trials": QUICK_TRIALS if results.notebook.quick else TRIALS,
+        "error": max(abs(time_us - law_us) for *_, time_us, law_us in _times(heard)),
         "fitted": fitted_us,
         "timed": timed_us,
         "first": angles_deg[0][0],
@@ -172,3 +190,19 @@ def _numbers(
             for ears, by_angle, by_time, ends, needs in cells
         ),
     }
+
+
+EXPERIMENT = Experiment(
+    name="localisation",
+    trial=hear,
+    cases=cases,
+    kept=False,
+    files={
+        "times.csv": lambda results: ("age_months,azimuth_deg,time_us,woodworth_us", _times(_heard(results))),
+        "angles.csv": _angles_table,
+        "localisation.png": _plots,
+    },
+    page=PAGES / "localisation.md",
+    numbers=_numbers,
+    infants=lambda law: map(_bundle, MONTHS),
+)

@@ -4,33 +4,43 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import islice, repeat
-from pathlib import Path
 
 import numpy as np
 
 from mimoc.base.quantities import Quantity
-from mimoc.bundle.io import Bundle
-from mimoc.motion.points import SIDES
+from mimoc.motion.labels import SIDES
 from mimoc.movement.filming import RATE_HZ, SETTLING_S, Film, Filmed
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.measures import correlation, kicks_of, leg_lengths
-from mimoc.movement.trunk_frame import trunk_paths
+from mimoc.movement.measures import correlation, kicks_of, leg_lengths, trunk_paths
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.infants import Setup, bundle_of, mobile_speed_m_s, open_infant, ribbon_m, tie_ribbon
-from mimoc.studies.experiments.legs.intervals import band_of_seeds, interval
-from mimoc.studies.experiments.legs.learner import PAGE_NUMBERS, WINDOW_S, GainLearner
-from mimoc.studies.experiments.legs.sessions import Phases, differences, direction_rows, rates_per_min, values_of
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.comparison import band_of_seeds, interval
+from mimoc.studies.experiment import Experiment, Results, Table, TrialResult, measures_table
+from mimoc.studies.experiments.gain_learner import (
+    PAGE_NUMBERS,
+    WINDOW_S,
+    GainLearner,
+    Phases,
+    direction_rows,
+    rates_per_min,
+)
+from mimoc.studies.experiments.legs import (
+    LIMBS,
+    Mover,
+    Setup,
+    bundle_of,
+    mobile_speed_m_s,
+    open_infant,
+    ribbon_m,
+    tie_ribbon,
+)
+from mimoc.studies.notebook import PAGES, Notebook, table_rows
 
 AGE_MONTHS = 3.0
 PHASES_S: Mapping[str, float] = {"baseline": 180.0, "acquisition": 360.0, "extinction": 180.0}
 QUICK_PHASES_S: Mapping[str, float] = {"baseline": 30.0, "acquisition": 60.0, "extinction": 30.0}
 COMPARED_S = 180.0  # The end of a phase, by which it is judged.
 BIN_S = 30.0  # Width of the bins of curves.
-SEEDS, QUICK_SEEDS = range(20), range(2)
 TYING_S = 10.0  # Time that the infant moves before the ribbon is tied: straight half of that time.
 AROUSAL = 0.9
 """Of an infant that lies under a mobile: fitted, so that it kicks about 10 times a minute before, as published."""
@@ -60,54 +70,7 @@ class Session:
         return {side: np.array(times_s) for side, times_s in zip(SIDES, peaks, strict=True)}
 
 
-def run(notebook: Notebook) -> Path:
-    """Let pairs of infants lie under a mobile, and return the path of the report."""
-    phases_s, seeds = (QUICK_PHASES_S, QUICK_SEEDS) if notebook.quick else (PHASES_S, SEEDS)
-    case = Phases(tuple(phases_s.values()), COMPARED_S)
-    by_case = run_cases(notebook, [(pair, case)], seeds)
-    results = by_case[case]
-    bins = (
-        (condition, label, seed, slot * BIN_S, rate)
-        for seed, result in zip(seeds, results, strict=True)
-        for condition in CONDITIONS
-        for side, label in LEGS.items()
-        for slot, rate in enumerate(result.traces[f"{condition}_{side}"])
-    )
-    notebook.write_table("time.csv", "condition,leg,seed,time_s,rate_per_min", bins)
-    write_measures(notebook, "mobile.csv", by_case, seeds)
-    notebook.write_plots("mobile.png", list(_plots(results, case)))
-    tied, gain = "contingent_left_ratio", "contingent_left_gain"
-    asked = {  # In how many pairs the first measure is larger.
-        "more than the yoked partner": (tied, "yoked_left_ratio"),
-        "the tied leg more than the other": (tied, "contingent_right_ratio"),
-        "a gain of the tied leg above the partner's": (gain, "yoked_left_gain"),
-        "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
-        "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
-    }
-    page = notebook.write_page(
-        None,
-        "scipy",
-        age=AGE_MONTHS,
-        seeds=len(seeds),
-        **{f"{name}_min": seconds / 60.0 for name, seconds in phases_s.items()},
-        compared=case.compared_s / 60.0,
-        arousal=AROUSAL,
-        **PAGE_NUMBERS,
-        limbs=", ".join(name.replace("_", " ") for name in LIMBS),
-        table=_table(results),
-        answer=_answer(results),
-        predictions=table_rows(direction_rows({name: differences(results, *pair) for name, pair in asked.items()})),
-    )
-    forget_trials(notebook)
-    return page
-
-
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infant that lies under the mobile."""
-    yield bundle_of(Setup(AGE_MONTHS))
-
-
-def pair(case: Phases, seed: int) -> Result:
+def pair(case: Phases, seed: int) -> TrialResult:
     """Let an infant learn under a mobile that its left leg moves, and another under a mobile that moves likewise."""
     contingent = session(case, seed, None)
     yoked = session(case, seed + PARTNER, contingent.rewards_m_s)
@@ -117,7 +80,7 @@ def pair(case: Phases, seed: int) -> Result:
         for side in SIDES:
             traces[f"{name}_{side}"] = rates_per_min(infant.kicks_s[side], case.ends_s[-1], BIN_S)
         traces |= {f"{name}_{limb}": tuple(infant.gains[:, slot].tolist()) for slot, limb in enumerate(LIMBS)}
-    return Result(values=values, traces=traces)
+    return TrialResult(values=values, traces=traces)
 
 
 def session(case: Phases, seed: int, others_m_s: Sequence[float] | None) -> Session:
@@ -167,29 +130,69 @@ def _measures(case: Phases, infant: Session) -> dict[str, float]:
     return values
 
 
-def _table(results: Sequence[Result]) -> str:
+def cases(notebook: Notebook) -> list[Phases]:
+    """Return the only case."""
+    return [Phases(tuple((QUICK_PHASES_S if notebook.quick else PHASES_S).values()), COMPARED_S)]
+
+
+TIED, GAINED = "contingent_left_ratio", "contingent_left_gain"
+ASKED = {  # In how many pairs the first measure is larger.
+    "more than the yoked partner": (TIED, "yoked_left_ratio"),
+    "the tied leg more than the other": (TIED, "contingent_right_ratio"),
+    "a gain of the tied leg above the partner's": (GAINED, "yoked_left_gain"),
+    "fewer kicks again in extinction": ("contingent_left_acquisition", "contingent_left_extinction"),
+    "hip and knee of the tied leg looser": ("contingent_hip_knee_baseline", "contingent_hip_knee_acquisition"),
+}
+
+
+def _time_table(results: Results) -> Table:
+    (pairs,) = results.by_case.values()
+    return "condition,leg,seed,time_s,rate_per_min", (
+        (condition, label, seed, slot * BIN_S, rate)
+        for seed, result in zip(results.seeds, pairs, strict=True)
+        for condition in CONDITIONS
+        for side, label in LEGS.items()
+        for slot, rate in enumerate(result.traces[f"{condition}_{side}"])
+    )
+
+
+def _numbers(results: Results) -> dict[str, object]:
+    (case,) = results.by_case
+    lengths_s = dict(zip(PHASES_S, case.lengths_s, strict=True))
     rows = []
     for condition in CONDITIONS:
         for side, label in LEGS.items():
-            rates = [interval(values_of(results, f"{condition}_{side}_{phase}")).text(1) for phase in PHASES_S]
-            ratios = values_of(results, f"{condition}_{side}_ratio")
+            rates = [results.mean(case, f"{condition}_{side}_{phase}").text(1) for phase in PHASES_S]
+            ratios = results.values(case, f"{condition}_{side}_ratio")
             enough = sum(ratio >= ENOUGH for ratio in ratios)
             ratio = f"{interval(ratios).text()}, median {np.median(ratios):.2f}"
-            gain = interval(values_of(results, f"{condition}_{side}_gain")).text()
+            gain = results.mean(case, f"{condition}_{side}_gain").text()
             rows.append((condition, label, *rates, ratio, f"{enough} of {len(ratios)}", gain))
-    return table_rows(rows)
+    return {
+        "age": AGE_MONTHS,
+        **{f"{name}_min": seconds / 60.0 for name, seconds in lengths_s.items()},
+        "compared": case.compared_s / 60.0,
+        "arousal": AROUSAL,
+        **PAGE_NUMBERS,
+        "limbs": ", ".join(name.replace("_", " ") for name in LIMBS),
+        "table": table_rows(rows),
+        "answer": _answer(results, case),
+        "predictions": direction_rows(results, case, ASKED),
+    }
 
 
-def _answer(results: Sequence[Result]) -> str:
-    contingent, yoked = ([ratio >= ENOUGH for ratio in values_of(results, f"{name}_left_ratio")] for name in CONDITIONS)
+def _answer(results: Results, case: Phases) -> str:
+    contingent, yoked = (
+        [ratio >= ENOUGH for ratio in results.values(case, f"{name}_left_ratio")] for name in CONDITIONS
+    )
     asked = 8 / 12
     learnt = "do" if np.mean(contingent) >= asked else "do **not**"
     overall = dict[str, float]()
     for name in CONDITIONS:
-        after, before = (np.mean(values_of(results, f"{name}_left_{phase}")) for phase in ("acquisition", "baseline"))
+        after, before = (np.mean(results.values(case, f"{name}_left_{phase}")) for phase in ("acquisition", "baseline"))
         overall[name] = float(after / max(before, 1e-9))
     counts = [f"{sum(group)} of {len(group)}" for group in (contingent, yoked)]
-    free = [ratio >= ENOUGH for leg in FREE for ratio in values_of(results, f"{leg}_ratio")]
+    free = [ratio >= ENOUGH for leg in FREE for ratio in results.values(case, f"{leg}_ratio")]
     return (
         f"Infants whose kicks move the mobile {learnt} kick {ENOUGH:g} times as often with the tied leg in two of 3 "
         f"seeds ({counts[0]}); of those who see another's, {counts[1]} do. Over all seeds, the rate of the tied leg "
@@ -198,18 +201,37 @@ def _answer(results: Sequence[Result]) -> str:
     )
 
 
-def _plots(results: Sequence[Result], case: Phases) -> Iterator[Plot]:
-    bins = len(results[0].traces["contingent_left"])
+def _plots(results: Results) -> Iterator[Plot]:
+    ((case, pairs),) = results.by_case.items()
+    bins = len(pairs[0].traces["contingent_left"])
     minutes = (np.arange(bins, dtype=np.float64) + 0.5) * BIN_S / 60.0
     seen = [end_s / 60.0 for end_s in case.ends_s[:2]]
     for condition in CONDITIONS:
-        curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in results]) for side, label in LEGS.items()}
+        curves = {label: np.array([r.traces[f"{condition}_{side}"] for r in pairs]) for side, label in LEGS.items()}
         top = 1.1 * max(float(curve.mean(axis=0).max()) for curve in curves.values()) + 5.0
         seen_bands = (band_of_seeds(minutes, curve, label) for label, curve in curves.items())
         bands = (Band(seen, [0.0] * 2, [top] * 2, "mobile seen", "usual"), *seen_bands)
         lines = tuple(Line(minutes, curve.mean(axis=0), label) for label, curve in curves.items())
         yield Plot(MINUTES, RATE_PER_MIN, lines, bands, title=condition.capitalize(), y_range=(0.0, top))
-    windows = (np.arange(len(results[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
-    means = {limb: np.mean([r.traces[f"contingent_{limb}"] for r in results], axis=0) for limb in LIMBS}
+    windows = (np.arange(len(pairs[0].traces[f"contingent_{LIMBS[0]}"])) + 1) * WINDOW_S / 60.0
+    means = {limb: np.mean([r.traces[f"contingent_{limb}"] for r in pairs], axis=0) for limb in LIMBS}
     lines = tuple(Line(windows, gains, limb.replace("_", " ")) for limb, gains in means.items())
     yield Plot(MINUTES, GAIN, lines, title="Learnt, contingent")
+
+
+EXPERIMENT = Experiment(
+    name="mobile",
+    trial=pair,
+    cases=cases,
+    seeds=range(20),
+    quick={"seeds": range(2)},
+    files={
+        "time.csv": _time_table,
+        "mobile.csv": measures_table(),
+        "mobile.png": _plots,
+    },
+    page=PAGES / "mobile.md",
+    numbers=_numbers,
+    libraries=("scipy",),
+    infants=lambda law: [bundle_of(Setup(AGE_MONTHS))],
+)

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -19,25 +18,110 @@ from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.compiler.pipeline import build
 from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
-from mimoc.components.senses.vision.run import bind
-from mimoc.motion.points import SIDES
+from mimoc.components.senses.vision.run import bind, lens_of
+from mimoc.motion.labels import SIDES
 from mimoc.policies.rollout import Run
 from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.grating_card import WEIGHTS
-from mimoc.studies.experiments.legs.intervals import interval
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, child, table_rows
-from mimoc.studies.experiments.sight import Points, Sight
+from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.studies.comparison import interval
+from mimoc.studies.experiment import Experiment, Results, TrialResult, child, grid, measures_table
+from mimoc.studies.experiments.looking import WEIGHTS
+from mimoc.studies.notebook import PAGES, Notebook, table_rows
+
+BoolArray = npt.NDArray[np.bool_]
+
+BEYOND_M = 1e-6  # How far behind a surface of head or eyes a line of sight goes on.
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """Something that can be seen."""
+
+    is_part: BoolArray  # Which bodies of the model are parts of it, shape (nbody,).
+    geoms: IntArray  # Its geoms whose middles are looked for, shape (n,).
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """The middles of the geoms of a thing that nothing hides from an eye, shape (p,), of both eyes together."""
+
+    angles_deg: FloatArray  # From the line of sight of the eye.
+    depths_m: FloatArray  # How far away they are along it.
+    is_sharp: BoolArray  # Whether they are in focus.
+
+    def within(self, angle_deg: float, *, sharp: bool = False) -> bool:
+        """Return whether one of them is so near to a line of sight, and perhaps in focus as well."""
+        near = self.angles_deg <= angle_deg
+        return bool((near & self.is_sharp if sharp else near).any())
+
+
+class Sight:
+    """The lines of sight from an infant's eyes to things.
+
+    A line goes from the camera of an eye to the middle of a geom. What it meets first counts, but for head and eyes,
+    which infants do not see. Middles of geoms behind an eye are at more than 90 degrees.
+    """
+
+    def __init__(self, env: InfantEnv, entry: VisionEntry):
+        """Look with the eyes of an infant, as mature as *entry* says; it needs no pictures."""
+        self._env, model = env, env.model
+        self._cameras = [model.camera(eye.camera).id for eye in env.manifest.anatomy.eyes]
+        self._unseen = {model.body(name).id for name in entry.unseen}
+        self._lens = lens_of(entry)
+        self._geom = np.zeros(1, np.int32)
+
+    def thing(self, body: str, geoms: Sequence[str] = ()) -> Thing:
+        """Return a body with all that hangs on it, to be looked for at some of its geoms, or at all."""
+        model = self._env.model
+        is_part = in_subtrees(model, [model.body(body).id])
+        named = [model.geom(name).id for name in geoms]
+        return Thing(is_part, np.array(named or np.flatnonzero(is_part[model.geom_bodyid]), np.intp))
+
+    def points(self, thing: Thing) -> Points:
+        """Return what of a thing is seen now by either eye, wherever it looks."""
+        data, rows = self._env.data, list[tuple[float, float]]()
+        for camera in self._cameras:
+            eye_m, ahead = data.cam_xpos[camera], -data.cam_xmat[camera].reshape(3, 3)[:, 2]
+            for geom in thing.geoms:
+                away_m = data.geom_xpos[geom] - eye_m
+                body = self._met(camera, eye_m, away_m)
+                if body >= 0 and thing.is_part[body]:
+                    depth_m = float(away_m @ ahead)
+                    rows.append((depth_m / float(np.linalg.norm(away_m)), depth_m))
+        cosines, depths_m = np.array(rows).reshape(-1, 2).T
+        blurred_deg = np.zeros(len(rows)) if self._lens is None else self._lens.disc_deg(depths_m)
+        return Points(np.degrees(np.arccos(cosines.clip(-1, 1))), depths_m, blurred_deg == 0)
+
+    def gaze_deg(self, place_m: FloatArray) -> float:
+        """Return the angle between the line of sight and a place, shape (3,), of the eye that looks farther from it."""
+        data, angles = self._env.data, list[float]()
+        for camera in self._cameras:
+            away_m = place_m - data.cam_xpos[camera]
+            cosine = -data.cam_xmat[camera].reshape(3, 3)[:, 2] @ away_m / np.linalg.norm(away_m)
+            angles.append(float(np.degrees(np.arccos(np.clip(cosine, -1, 1)))))
+        return max(angles)
+
+    def _met(self, camera: int, eye_m: FloatArray, away_m: FloatArray) -> int:
+        """Return the body that a line from an eye meets first, beside what it never sees; -1 for none."""
+        model, data, begin_m = self._env.model, self._env.data, eye_m
+        towards = away_m / np.linalg.norm(away_m)
+        while True:
+            further = mujoco.mj_ray(model, data, begin_m, towards, None, 1, int(model.cam_bodyid[camera]), self._geom)
+            if further < 0:
+                return -1
+            body = int(model.geom_bodyid[self._geom[0]])
+            if body not in self._unseen:
+                return body
+            begin_m = begin_m + (further + BEYOND_M) * towards
+
 
 Luminance = npt.NDArray[Any]
 
 MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6)
 QUICK_MONTHS: Sequence[float] = (0, 4)
 SECONDS, QUICK_SECONDS = 30.0, 5.0
-SEEDS, QUICK_SEEDS = range(5), range(1)
 MOBILE: Mapping[str, Any] = {  # The object of `configs/mobile.yaml`.
     "name": "mobile",
     "kind": "mobile",
@@ -134,37 +218,13 @@ def contrasts_of(
     return as_drawn, as_observed
 
 
-def run(notebook: Notebook) -> Path:
-    """Let infants of several ages lie under a mobile, and return the path of the report."""
-    months, seeds = (QUICK_MONTHS, QUICK_SEEDS) if notebook.quick else (MONTHS, SEEDS)
-    seconds = QUICK_SECONDS if notebook.quick else SECONDS
-    cases = [Case(age_months, name, seconds) for name in POLICIES for age_months in months]
-    by_case = run_cases(notebook, [(watch, case) for case in cases], seeds)
-    write_measures(notebook, "regard.csv", by_case, seeds, condition="condition", age_months="age_months")
-    notebook.write_plots("regard.png", list(_plots(by_case, months)))
-    notebook.write_picture("views.png", _views(months))
-    mobiles, hands = zip(*_rows(by_case), strict=True)
-    page = notebook.write_page(
-        None,
-        "scipy",
-        months=", ".join(f"{age_months:g}" for age_months in months),
-        seeds=len(seeds),
-        seconds=seconds,
-        size=SIZE_PX,
-        fovy=VISION["fovy_deg"],
-        on_deg=ON_DEG,
-        near_deg=NEAR_DEG,
-        mobiles=table_rows(mobiles),
-        hands=table_rows(hands),
-        answer=_answer(by_case),
+def cases(notebook: Notebook) -> list[Case]:
+    """Return infants of all ages that only move, and that look."""
+    return grid(
+        lambda condition, age_months: Case(age_months, condition, QUICK_SECONDS if notebook.quick else SECONDS),
+        condition=POLICIES,
+        age_months=QUICK_MONTHS if notebook.quick else MONTHS,
     )
-    forget_trials(notebook)
-    return page
-
-
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infant at each age."""
-    yield from (lying(age_months) for age_months in MONTHS)
 
 
 @cache
@@ -176,7 +236,7 @@ def lying(age_months: float, size_px: int = 0) -> Bundle:
     return build(child("regard", age_months, senses=senses, actuation=actuation, delays=delays, scene=scene))
 
 
-def watch(case: Case, seed: int) -> Result:
+def watch(case: Case, seed: int) -> TrialResult:
     """Return what an infant has before its eyes while it lies under the mobile."""
     with (
         closing(InfantEnv(lying(case.age_months))) as env,
@@ -193,7 +253,7 @@ def watch(case: Case, seed: int) -> Result:
             if (step + 1) % round(PICTURED_S / step_s) == 0:
                 pictures.place(env.data.qpos)
                 contrasts.append(pictures.contrasts())
-        return Result(values=watcher.values() | _contrast_values(contrasts))
+        return TrialResult(values=watcher.values() | _contrast_values(contrasts))
 
 
 class Watcher:
@@ -261,8 +321,9 @@ def _contrast_values(contrasts: Sequence[tuple[float, float]]) -> dict[str, floa
     return {**values, "contrast_drawn": float(drawn), "contrast_observed": float(observed)}
 
 
-def _views(months: Sequence[float]) -> bytes:
+def _views(results: Results) -> bytes:
     drawn, observed = list[Picture](), list[Picture]()
+    months = _months(results)
     for age_months in months:
         with closing(Pictures(lying(age_months, SIZE_PX))) as pictures:
             drawn.append(pictures.drawn()[0])
@@ -271,19 +332,16 @@ def _views(months: Sequence[float]) -> bytes:
     return encode_palette_png(tile_pictures([drawn, observed], columns, ("drawn", "observed")), COLOURS)
 
 
-def _of(results: Sequence[Result], name: str) -> list[float]:
-    return [result.values[name] for result in results if name in result.values]
+def _months(results: Results) -> list[float]:
+    return list(dict.fromkeys(case.age_months for case in results.by_case))
 
 
-def _mean(results: Sequence[Result], name: str) -> float:
-    values = _of(results, name)
-    return float(np.mean(values)) if values else float("nan")
+def _plots(results: Results) -> Iterator[Plot]:
+    months = _months(results)
 
-
-def _plots(by_case: Mapping[Case, Sequence[Result]], months: Sequence[float]) -> Iterator[Plot]:
     def curve(condition: str, name: str, label: str) -> tuple[Line, Band]:
-        cases = [results for case, results in by_case.items() if case.condition == condition]
-        ends = [interval(_of(results, name) or [0.0]) for results in cases]
+        cases = [case for case in results.by_case if case.condition == condition]
+        ends = [interval(results.values(case, name) or [0.0]) for case in cases]
         low, high = ([max(0.0, item.low) for item in ends], [min(100.0, item.high) for item in ends])
         return Line(months, [item.mean for item in ends], label), Band(months, low, high, label)
 
@@ -298,30 +356,63 @@ def _plots(by_case: Mapping[Case, Sequence[Result]], months: Sequence[float]) ->
     yield Plot(AGE, SHARE, lines, bands, (published,), title="A hand of its own is before the eyes")
 
 
-def _rows(by_case: Mapping[Case, Sequence[Result]]) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+def _numbers(results: Results) -> dict[str, object]:
+    mobiles, hands = zip(*_rows(results), strict=True)
+    return {
+        "months": ", ".join(f"{age_months:g}" for age_months in _months(results)),
+        "seconds": next(iter(results.by_case)).seconds,
+        "size": SIZE_PX,
+        "fovy": VISION["fovy_deg"],
+        "on_deg": ON_DEG,
+        "near_deg": NEAR_DEG,
+        "mobiles": table_rows(mobiles),
+        "hands": table_rows(hands),
+        "answer": _answer(results),
+    }
+
+
+def _rows(results: Results) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
     """Yield a row on the mobile and a row on hands of each case."""
     names = ("mobile_noticed", "gaze_on", "gaze_deg", "hand_noticed", "hand_regarded", "hand_near")
-    for case, results in by_case.items():
-        what, onsets_s = (f"{case.age_months:g}", LABELS[case.condition]), _of(results, "onset_s")
-        shares = [interval(_of(results, name)).text(0) for name in names]
-        values = (_of(results, name) for name in ("contrast_drawn", "contrast_observed", "hand_cm"))
+    for case in results.by_case:
+        what, onsets_s = (f"{case.age_months:g}", LABELS[case.condition]), results.values(case, "onset_s")
+        shares = [results.mean(case, name).text(0) for name in names]
+        values = (results.values(case, name) for name in ("contrast_drawn", "contrast_observed", "hand_cm"))
         *contrasts, hand = (f"{np.mean(some):.0f}" if some else "never" for some in values)
-        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results)}" if onsets_s else "never"
+        onset = f"{np.median(onsets_s):.1f} s in {len(onsets_s)} of {len(results.seeds)}" if onsets_s else "never"
         yield (*what, *shares[:3], onset, *contrasts), (*what, *shares[3:], hand)
 
 
-def _answer(by_case: Mapping[Case, Sequence[Result]]) -> str:
-    moving = [results for case, results in by_case.items() if case.condition == "moves"]
-    looking = [results for case, results in by_case.items() if case.condition == "looks"]
-    ages = [case.age_months for case in by_case if case.condition == "moves"]
-    kept = [
-        100 * _mean(item, "contrast_observed") / _mean(item, "contrast_drawn") for item in (looking[0], looking[-1])
-    ]
-    hands = [_mean(item, "hand_regarded") for item in (moving[0], moving[-1])]
-    near = [_mean(item, "hand_near") for item in (moving[0], moving[-1])]
+def _answer(results: Results) -> str:
+    def mean(case: Case, name: str) -> float:
+        values = results.values(case, name)
+        return float(np.mean(values)) if values else float("nan")
+
+    moving, looking = ([case for case in results.by_case if case.condition == name] for name in ("moves", "looks"))
+    ages, ends = [case.age_months for case in moving], (moving[0], moving[-1])
+    kept = [100 * mean(case, "contrast_observed") / mean(case, "contrast_drawn") for case in (looking[0], looking[-1])]
+    hands, near = ([mean(case, name) for case in ends] for name in ("hand_regarded", "hand_near"))
     return (
         f"From {ages[0]:g} to {ages[-1]:g} months, the share of the mobile's contrast that an infant observes goes "
         f"from {kept[0]:.0f} to {kept[1]:.0f} % while it looks at it. A hand of its own is in the noticed field and in "
         f"focus for {hands[0]:.0f} and {hands[1]:.0f} % of the time while it only moves, and within {NEAR_DEG:g} "
         f"degrees of the line of sight, whatever it notices, for {near[0]:.0f} and {near[1]:.0f} %."
     )
+
+
+EXPERIMENT = Experiment(
+    name="regard",
+    trial=watch,
+    cases=cases,
+    seeds=range(5),
+    quick={"seeds": range(1)},
+    files={
+        "regard.csv": measures_table(condition="condition", age_months="age_months"),
+        "regard.png": _plots,
+        "views.png": _views,
+    },
+    page=PAGES / "regard.md",
+    numbers=_numbers,
+    libraries=("scipy",),
+    infants=lambda law: (lying(age_months) for age_months in MONTHS),
+)

@@ -1,21 +1,20 @@
 """Rooms by seed: their contents, and where the toys lie (López et al. 2025, figure 6)."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 from statistics import mean, median
 from time import perf_counter
 
 import numpy as np
 
 from mimoc.base.quantities import Quantity
-from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
 from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.compiler.mjcf.world import FreeObject
-from mimoc.compiler.scenes.footprint import reachable_floor
+from mimoc.compiler.scenes import reachable_floor
 from mimoc.compiler.toys.placing import ReachableFloor
 from mimoc.components.scenes.room.build import CLEARANCE_M
 from mimoc.components.toys.builtin import BUILTIN_TOYS
@@ -24,7 +23,8 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.render.portrait import overview
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, yes
+from mimoc.studies.experiment import Experiment, Measured, Results
+from mimoc.studies.notebook import PAGES, Cell, yes
 
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 
@@ -117,7 +117,6 @@ def _relative_place(toy: FreeObject, reach: ReachableFloor, heading_rad: float) 
     )
 
 
-SEEDS, QUICK_SEEDS = range(24), range(12)
 PICTURE_PX = (176, 132)
 COLOURS = 128  # Number of colours of the figure, which makes its file a third as large.
 FARTHEST = 2.5  # Largest distance in the figure, in multiples of the reach.
@@ -141,46 +140,40 @@ ROOM_HEADING = (
 TOY_HEADING = "seed,object,category,size_m,mass_kg,ahead_m,left_m,distance_m,within_reach"
 
 
-def run(notebook: Notebook) -> Path:
-    """Build and render the rooms of some seeds, and return the path of the report."""
-    seeds = QUICK_SEEDS if notebook.quick else SEEDS
-    builder = _builder(notebook.law)
-    rooms: list[Inventory] = []
-    pictures: list[Picture] = []
-    times_s = []
-    count = notebook.counter(len(seeds))
-    for seed in seeds:
-        start_s = perf_counter()
-        bundle = builder(seed, check=False)
-        times_s.append(perf_counter() - start_s)
-        rooms.append(take_inventory(builder, seed))
-        pictures.append(count(overview(bundle, *PICTURE_PX)))
-    sheet = captioned_grid(pictures, [f"seed {seed}" for seed in seeds])
-    notebook.write_picture("rooms.png", encode_palette_png(sheet, COLOURS))
-    notebook.write_table("rooms.csv", ROOM_HEADING, map(_room_cells, rooms))
-    notebook.write_table("toys.csv", TOY_HEADING, (_toy_cells(room, toy) for room in rooms for toy in room.toys))
-    notebook.write_plots("toys.png", _plots(rooms))
-    again = take_inventory(builder, seeds[0])
-    return notebook.write_page(
-        _measured(rooms, again),
-        **_numbers(rooms),
-        first=seeds[0],
-        last=seeds[-1],
-        typical_ms=1000 * median(times_s),
-        slowest_ms=1000 * max(times_s),
-    )
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A room, as it was built."""
+
+    inventory: Inventory
+    picture: Picture
+    seconds: float  # Time that building it took.
 
 
-def infants(law: Development) -> Iterator[Bundle]:
-    """Yield the infant in the first of the rooms."""
-    yield _builder(law)(SEEDS[0], check=False)
+def build(development: Development, seed: int) -> Built:
+    """Build and render the room of a seed."""
+    builder, start_s = _builder(development), perf_counter()
+    bundle = builder(seed, check=False)
+    seconds = perf_counter() - start_s
+    return Built(take_inventory(builder, seed), overview(bundle, *PICTURE_PX), seconds)
 
 
+@cache
 def _builder(law: Development) -> Builder:
     return building.builder(InfantSpec.model_validate({**SPEC, "development": law}))
 
 
-def _measured(rooms: Sequence[Inventory], again: Inventory) -> Measured:
+def _inventories(results: Results) -> list[Inventory]:
+    return [built.inventory for built in results.by_case[results.notebook.law]]
+
+
+def _pictures(results: Results) -> bytes:
+    pictures = [built.picture for built in results.by_case[results.notebook.law]]
+    return encode_palette_png(captioned_grid(pictures, [f"seed {seed}" for seed in results.seeds]), COLOURS)
+
+
+def _measured(results: Results) -> Measured:
+    rooms = _inventories(results)
+    again = take_inventory(_builder(results.notebook.law), results.seeds[0])
     near = sum(room.within_reach for room in rooms) / sum(len(room.toys) for room in rooms)
     floor = mean(math.pi * room.reach.radius_m**2 / (room.size_m[0] * room.size_m[1]) for room in rooms)
     return {
@@ -204,7 +197,8 @@ def _toy_cells(room: Inventory, toy: ToyPlace) -> tuple[Cell, ...]:
     return (*what, toy.ahead_m, toy.left_m, toy.distance_m, int(toy.within_reach))
 
 
-def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
+def _plots(results: Results) -> list[Plot]:
+    rooms = _inventories(results)
     toys = [toy for room in rooms for toy in room.toys]
     reach = rooms[0].reach
     around = np.array([(-toy.left_m, toy.ahead_m) for toy in toys]) / reach.radius_m
@@ -228,11 +222,17 @@ def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
     ]
 
 
-def _numbers(rooms: Sequence[Inventory]) -> dict[str, object]:
+def _numbers(results: Results) -> dict[str, object]:
+    rooms, seeds = _inventories(results), results.seeds
+    times_ms = [1000 * built.seconds for built in results.by_case[results.notebook.law]]
     toys = [toy for room in rooms for toy in room.toys]
     depths_m, widths_m, heights_m = zip(*(room.size_m for room in rooms), strict=True)
     counts, masses_g = [len(room.toys) for room in rooms], [1000 * toy.mass_kg for toy in toys]
     return {
+        "first": seeds[0],
+        "last": seeds[-1],
+        "typical_ms": median(times_ms),
+        "slowest_ms": max(times_ms),
         "count": len(rooms),
         "reach_cm": 100 * rooms[0].reach.radius_m,
         "sizes_m": f"{_span(depths_m)} by {_span(widths_m)} m, {_span(heights_m)} m",
@@ -257,3 +257,27 @@ def _numbers(rooms: Sequence[Inventory]) -> dict[str, object]:
 
 def _span(values: Sequence[float]) -> str:
     return f"{min(values):.1f} to {max(values):.1f}"
+
+
+EXPERIMENT = Experiment(
+    name="rooms",
+    trial=build,
+    cases=lambda notebook: [notebook.law],
+    seeds=range(24),
+    kept=False,
+    quick={"seeds": range(12)},
+    files={
+        "rooms.png": _pictures,
+        "rooms.csv": lambda results: (ROOM_HEADING, map(_room_cells, _inventories(results))),
+        "toys.csv": lambda results: (
+            TOY_HEADING,
+            (_toy_cells(room, toy) for room in _inventories(results) for toy in room.toys),
+        ),
+        "toys.png": _plots,
+    },
+    page=PAGES / "rooms.md",
+    numbers=_numbers,
+    measured=_measured,
+    infants=lambda law: [_builder(law)(0, check=False)],
+    development="maturing",
+)

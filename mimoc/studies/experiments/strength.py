@@ -3,9 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from functools import cache
 from itertools import pairwise
-from pathlib import Path
 from typing import Literal, get_args
 
 import mujoco
@@ -24,7 +22,8 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
-from mimoc.studies.experiments.notebook import Cell, Measured, Notebook, child, table_rows, yes
+from mimoc.studies.experiment import Experiment, Measured, Results, Table, child
+from mimoc.studies.notebook import PAGES, Cell, Notebook, table_rows, yes
 
 Model = Literal["torque", "muscle"]
 
@@ -245,46 +244,75 @@ SIZES: Mapping[str, Sequence[float]] = {"head lift": (0.75, 0.85, 1.0), "leg lif
 HEADING = "behaviour,age_months,strength_age_months,length_cm,start_deg,peak_deg,peak_in_range_deg,time_to_60_deg_s"
 
 
-def run(notebook: Notebook) -> Path:
-    """Let infants of many ages lift the head and a leg, and return the path of the report."""
-    by_age = [(age,) for age in (PAPER_MONTHS if notebook.quick else MONTHS)]
-    sizes = [(item, size) for item in BEHAVIOURS for size in SIZES[item.name] if notebook.law == "published"]
-    by_size = {key: (age,) for key in sizes if (age := age_of(*key)) is not None}
-    muscles = [(age, "muscle", strength) for strength in (None, FULL_SIZE_MONTHS) for age in PAPER_MONTHS]
-    count = notebook.counter(len(by_age) + len(by_size) + len(muscles))
-    measure = cache(lambda trial: list(efforts(notebook.law, *trial)))
-    torque = [effort for trial in by_age for effort in count(measure(trial))]
-    sized = {key: _of(count(measure(trial)), key[0]) for key, trial in by_size.items()}
-    muscle = [effort for trial in muscles for effort in count(measure(trial))]
-    shown = _shown(torque)
-    notebook.write_table("strength.csv", HEADING, map(_summary, torque))
-    notebook.write_table("muscles.csv", HEADING, map(_summary, muscle))
-    samples = (
+@dataclass(frozen=True, slots=True)
+class Case:
+    """An infant that lifts its head and a leg."""
+
+    development: Development
+    age_months: float
+    model: Model = "torque"
+    strength_age_months: float | None = None
+
+
+def cases(notebook: Notebook) -> list[Case]:
+    """Return infants of all ages, then those whose parts have sizes of the paper, then those with muscles."""
+    law = notebook.law
+    by_age = [Case(law, age) for age in (PAPER_MONTHS if notebook.quick else MONTHS)]
+    by_size = [Case(law, age) for age in _ages_of_sizes(law).values()]
+    muscles = [Case(law, age, "muscle", strength) for strength in (None, FULL_SIZE_MONTHS) for age in PAPER_MONTHS]
+    return [*by_age, *by_size, *muscles]
+
+
+def _ages_of_sizes(law: Development) -> dict[tuple[Behaviour, float], float]:
+    """Return the ages at which parts have the relative sizes of the paper, if infants have the paper's body."""
+    sizes = [(item, size) for item in BEHAVIOURS for size in SIZES[item.name] if law == "published"]
+    return {key: age for key in sizes if (age := age_of(*key)) is not None}
+
+
+def _torque(results: Results) -> list[Effort]:
+    months = PAPER_MONTHS if results.notebook.quick else MONTHS
+    return [effort for age in months for effort in results.by_case[Case(results.notebook.law, age)][0]]
+
+
+def _muscle(results: Results) -> list[Effort]:
+    found = {case: efforts for case, (efforts,) in results.by_case.items() if case.model == "muscle"}
+    return [effort for efforts in found.values() for effort in efforts]
+
+
+def _sized(results: Results) -> dict[tuple[Behaviour, float], Effort]:
+    ages, law = _ages_of_sizes(results.notebook.law), results.notebook.law
+    return {key: _of(results.by_case[Case(law, age)][0], key[0])[0] for key, age in ages.items()}
+
+
+def _curves(results: Results) -> Table:
+    return "behaviour,age_months,time_s,angle_deg", (
         (effort.behaviour.name, effort.age_months, time_s, angle_deg)
-        for effort in shown
+        for effort in _shown(_torque(results))
         for time_s, angle_deg in zip(effort.time_s, effort.angle_deg, strict=True)
     )
-    notebook.write_table("curves.csv", "behaviour,age_months,time_s,angle_deg", samples)
-    notebook.write_plots("strength.png", [_plot(shown, item) for item in BEHAVIOURS])
-    ages = (f"{item.name} {size:g}: {effort.age_months:.1f}" for (item, size), (effort,) in sized.items())
-    return notebook.write_page(
-        _measured(shown, sized),
-        settling_s=SETTLING_STEPS * ms_to_s(STEP_MS),
-        steps=STEPS,
-        step_ms=STEP_MS,
-        head_end=torque[0].end_deg,
-        leg_end=torque[1].end_deg,
-        overshoot=max(effort.peak_deg - effort.end_deg for effort in torque),
-        laws=_laws(torque),
-        ages=table_rows(
+
+
+def _numbers(results: Results) -> dict[str, object]:
+    torque = _torque(results)
+    shown = _shown(torque)
+    ages = (f"{item.name} {size:g}: {effort.age_months:.1f}" for (item, size), effort in _sized(results).items())
+    return {
+        "settling_s": SETTLING_STEPS * ms_to_s(STEP_MS),
+        "steps": STEPS,
+        "step_ms": STEP_MS,
+        "head_end": torque[0].end_deg,
+        "leg_end": torque[1].end_deg,
+        "overshoot": max(effort.peak_deg - effort.end_deg for effort in torque),
+        "laws": _laws(torque),
+        "ages": table_rows(
             (f"{head.age_months:g}", _time(head), f"{head.peak_deg:.1f}", _time(leg), f"{leg.peak_deg:.1f}")
             for head, leg in zip(*(_of(shown, behaviour) for behaviour in BEHAVIOURS), strict=True)
         ),
-        target_deg=TARGET_DEG,
-        full_size=FULL_SIZE_MONTHS,
-        size_ages=", ".join(ages),
-        muscles=_muscle_rows(muscle),
-    )
+        "target_deg": TARGET_DEG,
+        "full_size": FULL_SIZE_MONTHS,
+        "size_ages": ", ".join(ages),
+        "muscles": _muscle_rows(_muscle(results)),
+    }
 
 
 def infants(law: Development) -> Iterator[Bundle]:
@@ -294,10 +322,11 @@ def infants(law: Development) -> Iterator[Bundle]:
             yield lying(law, age_months, model)(0, check=False)
 
 
-def _measured(shown: Sequence[Effort], sized: Mapping[tuple[Behaviour, float], Sequence[Effort]]) -> Measured:
+def _measured(results: Results) -> Measured:
+    sized, shown = _sized(results), _shown(_torque(results))
     times: dict[str, float | str | None] = {
         f"{item.name} at relative size {size:g}, time to {TARGET_DEG:g} degrees [s]": (
-            sized[item, size][0].time_to_s(TARGET_DEG) if (item, size) in sized else "none so small"
+            sized[item, size].time_to_s(TARGET_DEG) if (item, size) in sized else "none so small"
         )
         for item in BEHAVIOURS
         for size in SIZES[item.name]
@@ -332,3 +361,22 @@ def _plot(results: Iterable[Effort], behaviour: Behaviour) -> Plot:
     lines = (Line(item.time_s, item.angle_deg, f"{item.age_months:g} months") for item in _of(results, behaviour))
     time, angle = Quantity("time_s", "Time", "s"), Quantity("angle_deg", "Angle", "deg")
     return Plot(time, angle, tuple(lines), title=behaviour.name.capitalize(), level=TARGET_DEG)
+
+
+EXPERIMENT = Experiment(
+    name="strength",
+    trial=lambda case, seed: list(efforts(case.development, case.age_months, case.model, case.strength_age_months)),
+    cases=cases,
+    kept=False,
+    files={
+        "strength.csv": lambda results: (HEADING, map(_summary, _torque(results))),
+        "muscles.csv": lambda results: (HEADING, map(_summary, _muscle(results))),
+        "curves.csv": _curves,
+        "strength.png": lambda results: [_plot(_shown(_torque(results)), item) for item in BEHAVIOURS],
+    },
+    page=PAGES / "strength.md",
+    numbers=_numbers,
+    measured=_measured,
+    infants=infants,
+    development="published",
+)

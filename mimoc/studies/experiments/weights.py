@@ -1,27 +1,22 @@
 """Weights on legs: a hundred grams on one leg that kicks, and the gain of four weeks, or water, on legs that step."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from mimoc.base.quantities import Quantity
-from mimoc.bundle.io import Bundle
-from mimoc.motion.points import SIDES
+from mimoc.motion.labels import SIDES
 from mimoc.movement.filming import RATE_HZ
 from mimoc.movement.joints import joint_angles
-from mimoc.movement.measures import kicks_of, leg_lengths
-from mimoc.movement.trunk_frame import trunk_paths
+from mimoc.movement.measures import kicks_of, leg_lengths, trunk_paths
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.studies.experiments.legs.driving import LIMBS, Mover
-from mimoc.studies.experiments.legs.infants import MONTHS_PER_WEEK, Setup, bundle_of, leg_kg, open_infant
-from mimoc.studies.experiments.legs.intervals import Values, band_of, change_text, direction, interval, relative_changes
-from mimoc.studies.experiments.legs.steps import StepCase, stepping
-from mimoc.studies.experiments.legs.trials import Result, forget_trials, run_cases, write_measures
-from mimoc.studies.experiments.notebook import Notebook, table_rows
+from mimoc.studies.comparison import band_of, change_text, direction, interval, relative_changes
+from mimoc.studies.experiment import Experiment, Results, TrialResult, measures_table
+from mimoc.studies.experiments.legs import LIMBS, MONTHS_PER_WEEK, Mover, Setup, bundle_of, leg_kg, open_infant
+from mimoc.studies.experiments.steps import StepCase, stepping
+from mimoc.studies.notebook import PAGES, Notebook, table_rows
 
 WEEKS: Sequence[float] = (6, 12, 18, 26)
 QUICK_WEEKS: Sequence[float] = (6,)
@@ -32,7 +27,6 @@ CHANGED_WEEKS = 12
 STEP_WEEKS: Sequence[float] = (4, 8)
 QUICK_STEP_WEEKS: Sequence[float] = (4,)
 GAIN_WEEKS = 4
-SEEDS, QUICK_SEEDS = range(20), range(2)
 SECONDS, QUICK_SECONDS = 40.0, 15.0
 STEP_SECONDS = 30.0
 LEAST = 0.1  # Least change of the range of the hip that mass alone is asked for at six weeks.
@@ -64,52 +58,17 @@ class Case:
     gain: float = 1.0  # Factor on the drive of both legs.
 
 
-Kicks = Mapping[Case, Values]
-Steps = Mapping[StepCase, Values]
-
-
-def run(notebook: Notebook) -> Path:
-    """Let infants kick and step with weights, and return the path of the report."""
-    quick = notebook.quick
-    weeks, step_weeks = (QUICK_WEEKS, QUICK_STEP_WEEKS) if quick else (WEEKS, STEP_WEEKS)
-    seeds, seconds = (QUICK_SEEDS, QUICK_SECONDS) if quick else (SEEDS, SECONDS)
-    step_seconds = QUICK_SECONDS if quick else STEP_SECONDS
-    cases = list[Case]()
+def cases(notebook: Notebook) -> list[Case | StepCase]:
+    """Return infants that kick without and with the weight, then those that step."""
+    weeks, step_weeks = (QUICK_WEEKS, QUICK_STEP_WEEKS) if notebook.quick else (WEEKS, STEP_WEEKS)
+    seconds, step_seconds = (QUICK_SECONDS, QUICK_SECONDS) if notebook.quick else (SECONDS, STEP_SECONDS)
+    tried = list[Case | StepCase]()
     for week in weeks:
         plain = Case(week, seconds)
-        cases += [plain, *(replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))]
-    step_cases = [case for week in step_weeks for case in step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()]
-    tried: list[tuple[Callable[[Any, int], Result], Any]] = [(kicking, case) for case in cases]
-    results = run_cases(notebook, [*tried, *((stepping, case) for case in step_cases)], seeds)
-    kicked, stepped = ({case: results[case] for case in some} for some in (cases, step_cases))
-    write_measures(notebook, "weights.csv", kicked, seeds, weeks="weeks", weight_kg="weight_kg", drive="gain")
-    names = ("age_months", "weight_kg", "water")
-    write_measures(notebook, "steps.csv", stepped, seeds, **{name: name for name in names})
-    kicks: Kicks = {case: [result.values for result in results[case]] for case in cases}
-    steps: Steps = {case: [result.values for result in results[case]] for case in step_cases}
-    notebook.write_plots("weights.png", list(_plots(kicks)))
-    page = notebook.write_page(
-        None,
-        "scipy",
-        seeds=len(seeds),
-        seconds=seconds,
-        weight=1000 * WEIGHT_KG,
-        weeks=", ".join(f"{week:g}" for week in weeks),
-        table=_table(kicks, weeks, seconds),
-        gains=_gains(kicks, weeks, seconds),
-        answer=_answer(kicks, weeks, seconds),
-        step_seconds=step_seconds,
-        steps=_step_table(steps, step_weeks, step_seconds),
-        gain_weeks=GAIN_WEEKS,
-    )
-    forget_trials(notebook)
-    return page
-
-
-def infants(law: None) -> Iterator[Bundle]:
-    """Yield the infants of all ages that kick, and those that step."""
-    yield from (bundle_of(Setup(week * MONTHS_PER_WEEK)) for week in WEEKS)
-    yield from (bundle_of(Setup(week * MONTHS_PER_WEEK, held=True)) for week in STEP_WEEKS)
+        tried += [plain, *(replace(plain, weight_kg=WEIGHT_KG, gain=gain) for gain in _gains_at(week))]
+    for week in step_weeks:
+        tried += step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()
+    return tried
 
 
 def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
@@ -119,8 +78,10 @@ def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
     return {"plain": plain, "weights": replace(plain, weight_kg=round(gain_kg, 3)), "water": replace(plain, water=True)}
 
 
-def kicking(case: Case, seed: int) -> Result:
-    """Let an infant lie on its back and move by itself for a while, and measure how much each leg moves."""
+def move(case: Case | StepCase, seed: int) -> TrialResult:
+    """Let an infant step, or lie on its back and move by itself, for a while, and measure how much each leg moves."""
+    if isinstance(case, StepCase):
+        return stepping(case, seed)
     setup = Setup(case.weeks * MONTHS_PER_WEEK, left_kg=case.weight_kg)
     with closing(open_infant(setup)) as env:
         mover = Mover(env, seed)
@@ -134,78 +95,112 @@ def kicking(case: Case, seed: int) -> Result:
             f"{side}_hip_deg": float(high - low),
             f"{side}_speed_trunk_s": float(body.speeds[f"{side}_foot"].mean()),
         }
-    return Result(values=values)
+    return TrialResult(values=values)
 
 
 def _gains_at(week: float) -> Sequence[float]:
     return GAINS if week <= CHANGED_WEEKS else GAINS[:1]
 
 
-def _changes(kicks: Kicks, week: float, seconds: float, gain: float, side: str, measure: str) -> list[float]:
-    plain = Case(week, seconds)
-    return relative_changes(kicks[plain], kicks[replace(plain, weight_kg=WEIGHT_KG, gain=gain)], f"{side}_{measure}")
+def _plain_kicks(results: Results) -> list[Case]:
+    """Return the cases without a weight, by age."""
+    return [case for case in results.by_case if isinstance(case, Case) and not case.weight_kg]
 
 
-def _table(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    rows = []
-    for week in weeks:
-        for measure in MEASURES:
-            changes = [_changes(kicks, week, seconds, 1.0, side, measure.name) for side in SIDES]
-            plain = interval([values[f"left_{measure.name}"] for values in kicks[Case(week, seconds)]])
-            rows.append((f"{week:g}", measure.heading, plain.text(), *map(change_text, changes), *PUBLISHED[week]))
-    return table_rows(rows)
+def _compared(results: Results, plain: Case | StepCase, changed: Case | StepCase, measure: str) -> list[float]:
+    before, after = ([result.values for result in results.by_case[case]] for case in (plain, changed))
+    return relative_changes(before, after, measure)
 
 
-def _gains(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    rows = []
-    for week in weeks:
-        for gain in _gains_at(week):
-            ours = [direction(_changes(kicks, week, seconds, gain, side, "speed_trunk_s")) for side in SIDES]
-            changes = [change_text(_changes(kicks, week, seconds, gain, side, "speed_trunk_s")) for side in SIDES]
-            agrees = "unclear" if "unclear" in ours else "yes" if tuple(ours) == PUBLISHED[week] else "no"
-            rows.append((f"{week:g}", f"{gain:g}", *changes, ", ".join(ours), agrees))
-    return table_rows(rows)
+def _changes(results: Results, plain: Case, gain: float, side: str, measure: str) -> list[float]:
+    """Return the relative change of a leg's measure by the weight, and a gain of the drive, of each seed."""
+    return _compared(results, plain, replace(plain, weight_kg=WEIGHT_KG, gain=gain), f"{side}_{measure}")
 
 
-def _answer(kicks: Kicks, weeks: Sequence[float], seconds: float) -> str:
-    change = interval(_changes(kicks, weeks[0], seconds, 1.0, "left", "hip_deg"))
+def _plots(results: Results) -> Iterator[Plot]:
+    for measure in MEASURES:
+        lines, bands, dots = [], [], []
+        for side, label in zip(SIDES, ("leg with the weight", "other leg"), strict=True):
+            changes = {it.weeks: _changes(results, it, 1.0, side, measure.name) for it in _plain_kicks(results)}
+            means = {week: interval([100 * one for one in some]) for week, some in changes.items() if some}
+            known, middles = list(means), [mean.mean for mean in means.values()]
+            lines.append(Line(known, middles, label))
+            bands.append(band_of(known, list(means.values()), label))
+            dots.append(Dots(known, middles, label))
+        change = Quantity("change", f"{measure.label}: change by the weight", "%")
+        yield Plot(WEEK, change, tuple(lines), tuple(bands), tuple(dots), title=measure.label, level=0.0)
+
+
+def _numbers(results: Results) -> dict[str, object]:
+    plain = _plain_kicks(results)
+    steps = [case for case in results.by_case if isinstance(case, StepCase)]
+    change = interval(_changes(results, plain[0], 1.0, "left", "hip_deg"))
     holds = "does" if change.mean <= -LEAST else "does **not**"
-    return (
-        f"At {weeks[0]:g} weeks, the weight alone changes the range of the hip of its leg by "
-        f"{change.text(percent=True)}: it {holds} lower it by the {LEAST:.0%} that were asked for."
-    )
+    return {
+        "seconds": plain[0].seconds,
+        "weight": 1000 * WEIGHT_KG,
+        "weeks": ", ".join(f"{case.weeks:g}" for case in plain),
+        "table": table_rows(_rows(results, plain)),
+        "gains": table_rows(_gain_rows(results, plain)),
+        "answer": (
+            f"At {plain[0].weeks:g} weeks, the weight alone changes the range of the hip of its leg by "
+            f"{change.text(percent=True)}: it {holds} lower it by the {LEAST:.0%} that were asked for."
+        ),
+        "step_seconds": steps[0].seconds,
+        "steps": table_rows(_step_rows(results, steps[0].seconds)),
+        "gain_weeks": GAIN_WEEKS,
+    }
 
 
-def _step_table(steps: Steps, weeks: Sequence[float], seconds: float) -> str:
-    rows = []
-    for week in weeks:
+def _rows(results: Results, plain: Sequence[Case]) -> Iterator[tuple[str, ...]]:
+    for case in plain:
+        for measure in MEASURES:
+            changes = [_changes(results, case, 1.0, side, measure.name) for side in SIDES]
+            mean = results.mean(case, f"left_{measure.name}")
+            yield f"{case.weeks:g}", measure.heading, mean.text(), *map(change_text, changes), *PUBLISHED[case.weeks]
+
+
+def _gain_rows(results: Results, plain: Sequence[Case]) -> Iterator[tuple[str, ...]]:
+    for case in plain:
+        for gain in _gains_at(case.weeks):
+            changes = [_changes(results, case, gain, side, "speed_trunk_s") for side in SIDES]
+            ours = tuple(direction(some) for some in changes)
+            agrees = "unclear" if "unclear" in ours else "yes" if ours == PUBLISHED[case.weeks] else "no"
+            yield f"{case.weeks:g}", f"{gain:g}", *map(change_text, changes), ", ".join(ours), agrees
+
+
+def _step_rows(results: Results, seconds: float) -> Iterator[tuple[str, ...]]:
+    for week in QUICK_STEP_WEEKS if results.notebook.quick else STEP_WEEKS:
         cases = step_cases_of(week * MONTHS_PER_WEEK, seconds)
         for measure in STEP_MEASURES:
-            plain = steps[cases["plain"]]
-            changes = {name: relative_changes(plain, steps[cases[name]], measure.name) for name in ("weights", "water")}
-            falls, rises = (direction(changes[name], STEP_LEAST) for name in ("weights", "water"))
-            verdict = f"{_verdict(falls, 'less')}, {_verdict(rises, 'more')}"
-            mean = interval([values[measure.name] for values in plain]).text(1)
+            weighted, wet = (_compared(results, cases["plain"], cases[it], measure.name) for it in ("weights", "water"))
+            verdicts = _verdict(direction(weighted, STEP_LEAST), "less"), _verdict(direction(wet, STEP_LEAST), "more")
+            mean = results.mean(cases["plain"], measure.name).text(1)
             weight_g = f"{1000 * cases['weights'].weight_kg:.0f} g"
-            rows.append((f"{week:g}", measure.heading, mean, weight_g, *map(change_text, changes.values()), verdict))
-    return table_rows(rows)
+            changes = map(change_text, (weighted, wet))
+            yield f"{week:g}", measure.heading, mean, weight_g, *changes, ", ".join(verdicts)
 
 
 def _verdict(shown: str, asked: str) -> str:
     return "unclear" if shown == "unclear" else "yes" if shown == asked else "no"
 
 
-def _plots(kicks: Kicks) -> Iterator[Plot]:
-    weeks = sorted({case.weeks for case in kicks})
-    seconds = next(iter(kicks)).seconds
-    for measure in MEASURES:
-        lines, bands, dots = [], [], []
-        for side, label in zip(SIDES, ("leg with the weight", "other leg"), strict=True):
-            changes = [_changes(kicks, week, seconds, 1.0, side, measure.name) for week in weeks]
-            means = [interval([100 * change for change in part]) for part in changes if part]
-            known = [week for week, part in zip(weeks, changes, strict=True) if part]
-            lines.append(Line(known, [mean.mean for mean in means], label))
-            bands.append(band_of(known, means, label))
-            dots.append(Dots(known, [mean.mean for mean in means], label))
-        change = Quantity("change", f"{measure.label}: change by the weight", "%")
-        yield Plot(WEEK, change, tuple(lines), tuple(bands), tuple(dots), title=measure.label, level=0.0)
+EXPERIMENT = Experiment(
+    name="weights",
+    trial=move,
+    cases=cases,
+    seeds=range(20),
+    quick={"seeds": range(2)},
+    files={
+        "weights.csv": measures_table(Case, weeks="weeks", weight_kg="weight_kg", drive="gain"),
+        "steps.csv": measures_table(StepCase, age_months="age_months", weight_kg="weight_kg", water="water"),
+        "weights.png": _plots,
+    },
+    page=PAGES / "weights.md",
+    numbers=_numbers,
+    libraries=("scipy",),
+    infants=lambda law: (
+        *(bundle_of(Setup(week * MONTHS_PER_WEEK)) for week in WEEKS),
+        *(bundle_of(Setup(week * MONTHS_PER_WEEK, held=True)) for week in STEP_WEEKS),
+    ),
+)

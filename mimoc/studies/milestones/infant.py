@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 
 from mimoc.compiler.child import child_of
-from mimoc.compiler.delays.presets import delays
 from mimoc.compiler.measuring import compile_infant
-from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.policies.control.holding.driven import DrivenInfant
-from mimoc.runtime.delays.timing import Timing, delays_by_signal, within
+from mimoc.compiler.presets import delays
+from mimoc.compiler.variants import at_age, errors_at
+from mimoc.policies.control.holding.postures import DrivenInfant
+from mimoc.runtime.delays.signals import Timing, delays_by_signal, within
 from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
@@ -109,7 +109,7 @@ def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> Inf
     }
     actuation = asked.model_copy(update={"strength": strength, "regions": None, "locked": ()})
     with errors_at(spec, age_months):
-        return at_age_unchecked(spec, age_months).model_copy(update={"actuation": actuation})
+        return at_age(spec, age_months, checked=False).model_copy(update={"actuation": actuation})
 
 
 def _has_servos(spec: InfantSpec) -> bool:

@@ -1,92 +1,39 @@
 """Milestones of an infant, of each side where there are two, beside those of real infants."""
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from mimoc.base.classes import takes
 from mimoc.base.rounding import rounded
 from mimoc.compiler.child import checked_or_average, child_of
-from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.schema.base import Model
+from mimoc.compiler.variants import at_age, errors_at
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
-from mimoc.studies.certainty import ASSUMPTION, Certainty
-from mimoc.studies.growth.plot import AgeRow
+from mimoc.studies.comparison import GOOD, AgeRange, AgeVerdict, read_figures
+from mimoc.studies.growth_plots import AgeRow
+from mimoc.studies.jobs import Progress
 from mimoc.studies.milestones.infant import Conditions
-from mimoc.studies.milestones.search import Progress, SearchResult, ages_of, search
+from mimoc.studies.milestones.search import SearchResult, ages_of, search
 from mimoc.studies.milestones.trial import Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS
 
-Verdict = Literal["inside", "too early", "too late", "not reached", "no verdict"]
-GOOD: tuple[Verdict, ...] = ("inside", "no verdict")
-
-
-class AgeRange(Model):
-    """Ages at which infants reach a milestone, in months."""
-
-    youngest_months: float
-    oldest_months: float
-    usual_months: float | None
-    """The mean, or the age that a source gives; None if it gives none."""
-    sd_months: float | None = None
-    """Standard deviation of the ages of infants; None if the source gives none."""
-    span: str
-    """What these ages are, such as percentiles."""
-    source: str
-    certainty: Certainty
-
-    @property
-    def ages(self) -> tuple[float, ...]:
-        """Youngest, usual and oldest age."""
-        usual = () if self.usual_months is None else (self.usual_months,)
-        return (self.youngest_months, *usual, self.oldest_months)
-
-    def window(self, *, of_average: bool) -> tuple[float, float]:
-        """Return the ages that a child is judged by, youngest and oldest.
-
-        An average child is judged by the mean ± 1 SD where both are known, since nearly any age is within the 1st and
-        99th percentile; others are judged by the whole range.
-        """
-        if of_average and self.usual_months is not None and self.sd_months is not None:
-            return rounded(self.usual_months - self.sd_months), rounded(self.usual_months + self.sd_months)
-        return self.youngest_months, self.oldest_months
-
-    def verdict(self, age_months: float | None, *, of_average: bool = False) -> Verdict:
-        """Return how the age at which an infant reaches it compares; None is never. Nobody is judged by assumptions."""
-        youngest_months, oldest_months = self.window(of_average=of_average)
-        if self.certainty == ASSUMPTION:
-            return "no verdict"
-        if age_months is None:
-            return "not reached"
-        if age_months < youngest_months:
-            return "too early"
-        return "inside" if age_months <= oldest_months else "too late"
-
-
-def read_age_ranges(path: Path) -> dict[str, AgeRange]:
-    """Return the rows of a table of ages by what stands in its first column."""
-    with path.open(encoding="utf-8", newline="") as file:
-        _, *rest = next(lines := csv.reader(file))
-        return {
-            name: AgeRange.model_validate({key: cell or None for key, cell in zip(rest, cells, strict=True)})
-            for name, *cells in lines
-        }
-
-
-WINDOWS: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("windows.csv"))  # By name of the trial.
+WINDOWS: Mapping[str, AgeRange] = dict(
+    read_figures(Path(__file__).with_name("windows.csv"), AgeRange)
+)  # By name of the trial.
 
 
 @dataclass(frozen=True)
 class Milestone:
-    """What was found for one trial."""
+    """The results of one trial."""
 
     trial: Trial
-    sides: Mapping[str, SearchResult]  # By side, `left` and `right`; of a trial without sides, by an empty name.
+    sides: Mapping[
+        str, SearchResult
+    ]  # Results by side, `left` and `right`, or by an empty name if the trial has no sides.
     window: AgeRange | None  # When real infants reach it, if that is known.
     judged: bool  # Whether it is compared with real infants, or only reported.
     months_early: float = 0.0  # How long before term the child was born, by which its ages are corrected.
@@ -101,11 +48,11 @@ class Milestone:
 
     @property
     def result(self) -> SearchResult:
-        """What was found for the worse side."""
+        """The result of the worse side."""
         return self.sides[self.side or next(iter(self.sides))]
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> AgeVerdict:
         """How the infant compares with real ones, by its worse side."""
         return self.verdict_of(self.result)
 
@@ -114,7 +61,7 @@ class Milestone:
         """Whether a side is outside the window."""
         return self.verdict not in GOOD
 
-    def verdict_of(self, result: SearchResult) -> Verdict:
+    def verdict_of(self, result: SearchResult) -> AgeVerdict:
         """Return how what was found for a side compares with real infants."""
         if not self.judged or self.window is None:
             return "no verdict"
@@ -170,7 +117,7 @@ class MilestoneReport:
     conditions: Conditions
     milestones: Sequence[Milestone]
     beside: Mapping[str, "MilestoneReport"] = field(default_factory=dict)
-    """Those of its counterparts, by what they are, such as `healthy`."""
+    """Reports on its counterparts by their names, such as `healthy`."""
 
     @property
     def passed(self) -> bool:
@@ -242,7 +189,7 @@ def validate_milestones(
     others = {beside: counterpart(infant, beside)} if beside else {}
     for age_months in ages or ages_of(infant):  # Before minutes of trials.
         with errors_at(infant, age_months):
-            child_of(at_age_unchecked(infant, age_months))
+            child_of(at_age(infant, age_months, checked=False))
     usual, further = conditions or Conditions(), {trial.name for trial in FURTHER}
 
     def report(child: InfantSpec) -> MilestoneReport:

@@ -5,14 +5,13 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from mimoc.bundle.files import remove
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
-from mimoc.studies.kept_results import keep, kept_file, process_pool, read_kept
+from mimoc.studies.jobs import JobStore, Progress, process_pool
 from mimoc.studies.milestones.infant import Conditions, compile_once
 from mimoc.studies.milestones.trial import Outcome, try_out
 from mimoc.studies.milestones.trials import trial_called
@@ -28,16 +27,14 @@ def ages_of(spec: InfantSpec) -> Sequence[float]:
 
 COARSE_STRIDE = 2  # The search descends by every second age of the grid, and then looks at those in between.
 
-Progress = Callable[[int, int], None]  # Called with the number of ages done with and their total.
 Try = Callable[[float], Outcome]  # Returns the outcome of a trial at an age in months.
 AttemptAt = Callable[[str, Conditions, str, float], Outcome]
 """Returns the outcome for a spec in JSON, conditions, the name of a trial, and an age in months."""
-Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search found out about one trial."""
+    """The result of a search for one trial."""
 
     youngest_months: float | None  # The youngest age from which on all tried ages succeed; None if the oldest fails.
     outcomes: Mapping[float, Outcome] = field(default_factory=dict)  # Outcome by tried age.
@@ -124,6 +121,19 @@ def search_near(spec: InfantSpec, conditions: Conditions, name: str) -> SearchRe
     return walk(ages, near, partial(_try_at, spec.model_dump_json(), conditions, name))
 
 
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A milestone of a child under some conditions."""
+
+    development: Development
+    trial: str  # Its name; of one side also `arm_out:left`.
+    ages: tuple[float, ...]  # The ages that may be tried, in months, the youngest first.
+    conditions: Conditions
+    near_months: float | None = None
+    """One of the ages, from which on others are tried step by step; None means from the oldest down."""
+    spec: str = ""  # The child, in JSON; empty for the average child that follows the law of development.
+
+
 def search(
     spec: InfantSpec,
     conditions: Conditions,
@@ -133,38 +143,40 @@ def search(
     progress: Progress | None = None,
 ) -> Mapping[str, SearchResult]:
     """Return what is found for each trial, by name, of one with sides also `arm_out:left`; progress is in ages."""
-    written = spec.model_dump_json()
-
-    def find(name: str, attempt: AttemptAt) -> SearchResult:
-        return search_downwards(ages, partial(attempt, written, conditions, name))
-
-    results: dict[str, SearchResult] = {}
-    for name, result in _searched(processes, find, names):
-        results[name] = result
+    written, results = spec.model_dump_json(), dict[str, SearchResult]()
+    cases = [Case(spec.development, name, tuple(ages), conditions, spec=written) for name in names]
+    for place, result in _searched(cases, processes):
+        results[names[place]] = result
         if progress:
             progress(len(results) * len(ages), len(names) * len(ages))
     return {name: results[name] for name in names}
 
 
-def _searched(
-    processes: int, find: Callable[[Item, AttemptAt], SearchResult], items: Sequence[Item]
-) -> Iterator[tuple[Item, SearchResult]]:
-    """Yield items with the results of their searches, in the order in which they come.
+def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[int, SearchResult]]:
+    """Yield the places of cases and the results of their searches, in the order in which they come.
 
     With several processes, all searches wait side by side for their attempts, which run there.
     """
     if processes == 1:
-        for item in items:
-            yield item, find(item, _try_at)
+        for place, case in enumerate(cases):
+            yield place, _search(case, _try_at)
         return
-    with ThreadPoolExecutor(len(items) or 1) as threads, process_pool(processes) as pool:
+    with ThreadPoolExecutor(len(cases) or 1) as threads, process_pool(processes) as pool:
 
         def attempt(*arguments: Any) -> Outcome:
             return pool.submit(_try_at, *arguments).result()
 
-        running = {threads.submit(find, item, attempt): item for item in items}
+        running = {threads.submit(_search, case, attempt): place for place, case in enumerate(cases)}
         for future in as_completed(running):
             yield running[future], future.result()
+
+
+def _search(case: Case, attempt: AttemptAt) -> SearchResult:
+    average = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development)
+    run = partial(attempt, case.spec or average.model_dump_json(), case.conditions, case.trial)
+    if case.near_months is None:
+        return search_downwards(case.ages, run)
+    return walk(case.ages, case.near_months, run)
 
 
 def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> Outcome:
@@ -175,51 +187,7 @@ def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> 
 FOLDER = "searches"  # Where finished searches are kept until all of them are.
 
 
-@dataclass(frozen=True, slots=True)
-class Case:
-    """A milestone of the average child that follows a law, under some conditions."""
-
-    development: Development
-    trial: str
-    ages: tuple[float, ...]  # The ages that may be tried, in months, the youngest first.
-    conditions: Conditions
-    near_months: float | None = None
-    """One of the ages, from which on others are tried step by step; None means from the oldest down."""
-
-
-def run_searches(
-    cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[], None]
-) -> Mapping[Case, SearchResult]:
-    """Return what is found in each case, or was by the same software in this folder, where each result is kept."""
-    results = {case: result for case in cases if (result := _read(folder, case)) is not None}
-    for _ in results:
-        finished()
-    for case, result in _searched(processes, _search, [case for case in cases if case not in results]):
-        data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
-        keep(_file(folder, case), data, below=folder)
-        results[case] = result
-        finished()
-    return {case: results[case] for case in cases}
-
-
-def forget_searches(folder: Path) -> None:
-    """Remove the results of an experiment that has ended, so that the next one begins anew."""
-    remove(folder / FOLDER)
-
-
-def _search(case: Case, attempt: AttemptAt) -> SearchResult:
-    spec = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development).model_dump_json()
-    run = partial(attempt, spec, case.conditions, case.trial)
-    if case.near_months is None:
-        return search_downwards(case.ages, run)
-    return walk(case.ages, case.near_months, run)
-
-
-def _file(folder: Path, case: Case) -> Path:
-    return kept_file(folder / FOLDER, f"{case.development}-{case.trial}", asdict(case))
-
-
-class _SearchFile(Model):
+class _KeptSearch(Model):
     """What the file of a search contains."""
 
     youngest_months: Real | None
@@ -227,6 +195,25 @@ class _SearchFile(Model):
     """Ages in months, and what came of them."""
 
 
-def _read(folder: Path, case: Case) -> SearchResult | None:
-    file = read_kept(_file(folder, case), _SearchFile, below=folder)
-    return None if file is None else SearchResult(file.youngest_months, dict(file.tried))
+def run_searches(
+    cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[int], Any]
+) -> Mapping[Case, SearchResult]:
+    """Return what is found in each case, or was by the same software in this folder, where each result is kept."""
+
+    def search(places: Sequence[int]) -> Iterator[tuple[int, _KeptSearch]]:
+        for index, result in _searched([cases[place] for place in places], processes):
+            yield index, _KeptSearch(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
+
+    keys = [(f"{case.development}-{case.trial}", asdict(case)) for case in cases]
+    kept = _store(folder).complete(keys, search, finished)
+    results = [SearchResult(search.youngest_months, dict(search.tried)) for search in kept]
+    return dict(zip(cases, results, strict=True))
+
+
+def forget_searches(folder: Path) -> None:
+    """Remove the results of an experiment that has ended, so that the next one begins anew."""
+    _store(folder).clear()
+
+
+def _store(folder: Path) -> JobStore[_KeptSearch]:
+    return JobStore(folder, FOLDER, _KeptSearch)

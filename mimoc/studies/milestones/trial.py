@@ -13,12 +13,11 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.policies.control.holding.controller import Controller, servo
-from mimoc.policies.control.holding.rehearsal import Rehearsal
-from mimoc.runtime.delays.timing import within
-from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.policies.control.holding.controller import Controller, Rehearsal, servo
+from mimoc.runtime.delays.signals import within
+from mimoc.runtime.noise import NoiseStreams
 from mimoc.runtime.sense import FloatArray, IntArray
-from mimoc.studies.certainty import Basis
+from mimoc.studies.comparison import Basis
 from mimoc.studies.milestones.infant import Conditions, TrialInfant
 
 
@@ -97,7 +96,7 @@ class Attempt:
     pushes: Sequence[Push] = ()
     apparatus: Apparatus | None = None
     strategy: str = ""  # In words, which posture it is.
-    side: str = ""  # Of a trial with sides, which one it is about: `left` or `right`.
+    side: str = ""  # The side that the attempt is about, `left` or `right`, if the trial has sides.
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ asked for by the end of its range.
 """
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import mujoco
@@ -26,7 +26,9 @@ CURLED_DEG: Mapping[str, float] = {  # The posture in which an infant is laid on
     "{side}_elbow": -90.0,
     "{side}_shoulder_ad_ab": 60.0,
 }
-QUIET: Mapping[str, float] = {}  # No joint is asked for anything; what tone there is without commands stays.
+Shares = Mapping[str, float]
+"""Share of the strength of some hinges, named without `robot:`; above 0 is towards positive angles."""
+QUIET: Shares = {}  # No joint is asked for anything; what tone there is without commands stays.
 
 
 class Drive:
@@ -43,7 +45,7 @@ class Drive:
         self._servos = None if bias is None else DelayedMotors(infant, model.opt.timestep, bias)
         self._scratch = mujoco.MjData(model)
 
-    def __call__(self, data: mujoco.MjData, shares: Mapping[str, float]) -> FloatArray:
+    def __call__(self, data: mujoco.MjData, shares: Shares) -> FloatArray:
         """Return the controls, shape (nu,), in a state, for shares of the strength of some hinges, without `robot:`.
 
         Above 0 is towards positive angles. All other hinges are quiet; those that this infant lacks are left out.
@@ -123,12 +125,21 @@ def settled(infant: TrialInfant, seconds: float = 3.0) -> mujoco.MjData:
     return data
 
 
-def run(infant: TrialInfant, data: mujoco.MjData, seconds: float, shares: Mapping[str, float]) -> None:
-    """Let time pass with the same shares of strength all along."""
-    drive = Drive(infant)
-    for _ in range(round(seconds / infant.model.opt.timestep)):
-        data.ctrl[:] = drive(data, shares)
+def driven(
+    infant: TrialInfant, data: mujoco.MjData, seconds: float, shares: Shares | Callable[[float], Shares]
+) -> Iterator[float]:
+    """Drive an infant with shares of its strength, perhaps by the time; yield the time after each physics step."""
+    drive, step_s = Drive(infant), infant.model.opt.timestep
+    for step in range(round(seconds / step_s)):
+        data.ctrl[:] = drive(data, shares(step * step_s) if callable(shares) else shares)
         mujoco.mj_step(infant.model, data)
+        yield (step + 1) * step_s
+
+
+def run(infant: TrialInfant, data: mujoco.MjData, seconds: float, shares: Shares) -> None:
+    """Let time pass with the same shares of strength all along."""
+    for _ in driven(infant, data, seconds, shares):
+        pass
 
 
 def again(infant: TrialInfant, start: mujoco.MjData, *, moving: bool = True) -> mujoco.MjData:

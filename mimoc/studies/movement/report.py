@@ -1,8 +1,6 @@
 """How an infant moves beside how real infants move, by trial, measure and age."""
 
-import csv
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -13,66 +11,39 @@ from mimoc.base.errors import UnknownNameError
 from mimoc.base.quantities import Quantity
 from mimoc.base.rounding import rounded
 from mimoc.compiler.child import checked_or_average, child_of
-from mimoc.compiler.variants import at_age_unchecked, errors_at
-from mimoc.render.plots.windows import Panel
-from mimoc.schema.base import Model
+from mimoc.compiler.variants import at_age, errors_at
+from mimoc.render.plots.plot import Panel
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import SIDES
-from mimoc.studies.certainty import ASSUMPTION, READ, Basis, Certainty
-from mimoc.studies.kept_results import process_pool
+from mimoc.studies.comparison import ASSUMPTION, Reference, read_figures
+from mimoc.studies.jobs import Progress, run_jobs
 from mimoc.studies.milestones.infant import Conditions, compile_once, grown_to
-from mimoc.studies.milestones.search import Progress
-from mimoc.studies.movement.trial import Subject, Values, missing
-from mimoc.studies.movement.trials import TRIALS, USUAL
+from mimoc.studies.movement.arms import ARM_LIFT, ARM_PULL, REACH
+from mimoc.studies.movement.grip import GRIP
+from mimoc.studies.movement.kicks import KICK, LEG_WEIGHT, POSTURE, STEPPING
+from mimoc.studies.movement.pendulum import DAMPING, PENDULUM
+from mimoc.studies.movement.posture import AWAKE, FOLD, RECOIL, REST, SPEEDS
+from mimoc.studies.movement.roll import ROLL
+from mimoc.studies.movement.saccade import SACCADE
+from mimoc.studies.movement.trial import MovementTrial, Subject, Values, missing
+
+TRIALS: Mapping[str, MovementTrial] = {
+    trial.name: trial
+    for trial in (
+        *(KICK, PENDULUM, DAMPING, RECOIL, ARM_LIFT, FOLD, REST, AWAKE, SACCADE, GRIP),
+        *(STEPPING, LEG_WEIGHT, POSTURE, ARM_PULL, SPEEDS, REACH, ROLL),
+    )
+}
+USUAL: tuple[str, ...] = tuple(trial.name for trial in TRIALS.values() if not trial.on_request)
 
 Verdict = Literal["inside", "outside", "not reached", "no verdict", "not tried"]
 
-
-class Window(Model):
-    """Values that real infants have at some ages."""
-
-    youngest_months: float
-    oldest_months: float
-    low: float | None
-    """None if there is no lower end, as for `high`."""
-    high: float | None
-    used: Basis
-    """Whether a number of the law `maturing` is chosen for this figure, or none is, so that it is predicted."""
-    certainty: Certainty
-    source: str
-
-    def holds_at(self, age_months: float) -> bool:
-        """Return whether it is about infants of some age."""
-        return self.youngest_months <= age_months <= self.oldest_months
-
-    @property
-    def is_read_direction(self) -> bool:
-        """Whether it is a fact that was read, and says which way a value has to go: it has one end."""
-        return self.certainty in READ and (self.low is None) != (self.high is None)
-
-    def has(self, value: float) -> bool:
-        """Return whether a value is inside."""
-        return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
-
-    def error(self, value: float) -> float:
-        """Return how far a value is below the lower end, as a number below 0, or above the upper one; 0 inside."""
-        end = self.low if self.low is not None and value < self.low else self.high
-        return 0.0 if self.has(value) or end is None else value - end
-
-
-def _windows() -> Iterator[tuple[str, Window]]:
-    with Path(__file__).with_name("windows.csv").open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            name = row.pop("measure")
-            yield name, Window.model_validate({key: value or None for key, value in row.items()})
-
-
-WINDOWS: Sequence[tuple[str, Window]] = tuple(_windows())
+WINDOWS: Sequence[tuple[str, Reference]] = tuple(read_figures(Path(__file__).with_name("windows.csv"), Reference))
 """Each with the name of its measure, of which there can be several by age; the younger comes first."""
 
 
-def window_of(measure: str, age_months: float) -> Window | None:
+def window_of(measure: str, age_months: float) -> Reference | None:
     """Return what is asked of a measure at some age; None if nothing is."""
     return next((window for name, window in WINDOWS if name == measure and window.holds_at(age_months)), None)
 
@@ -86,7 +57,7 @@ class Row:
     age_months: float
     value: float | None
     """None if it was not tried, or did not happen, such as the time to a bend of the hip that it does not reach."""
-    window: Window | None
+    window: Reference | None
     reason: str = ""  # Why it was not tried.
     side: str = ""  # `left`, `right`, or `both` of an infant whose sides are alike; none if the measure has no side.
 
@@ -147,7 +118,7 @@ class MovementReport:
     actuation: str  # Its actuation model.
     rows: Sequence[Row]
     beside: Mapping[str, "MovementReport"] = field(default_factory=dict)
-    """Those of its counterparts, by what they are, such as `healthy`."""
+    """Reports on its counterparts by their names, such as `healthy`."""
 
     @property
     def passed(self) -> bool:
@@ -171,7 +142,7 @@ class MovementReport:
 
     @property
     def titles(self) -> Mapping[str, str]:
-        """What is done in each trial, by its name."""
+        """Titles of the trials by their names."""
         return {name: TRIALS[name].title for name in dict.fromkeys(row.trial for row in self.rows)}
 
     @property
@@ -219,7 +190,7 @@ def validate_movement(
 
     Args:
         spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
-        names: The trials, of `mimoc.studies.movement.TRIALS`; those that take minutes are done only if they are named.
+        names: The trials, of `TRIALS`; those that take minutes are done only if named.
         ages: Ages to try, in months; None means those of each trial, at which there are figures of real infants.
         processes: Number of processes. With more than one, a script must guard its main part by
             `if __name__ == "__main__"`.
@@ -245,7 +216,7 @@ def validate_movement(
     jobs = [(name, float(age)) for name in names for age in ages or TRIALS[name].ages_months]
     for age_months in dict.fromkeys(age for _, age in jobs):
         with errors_at(infant, age_months):
-            child_of(at_age_unchecked(infant, age_months))
+            child_of(at_age(infant, age_months, checked=False))
     shown = progress or (lambda done, total: None)
     one, *rest = (_report(child, jobs, processes, shown) for child in (infant, *others.values()))
     return replace(one, beside=dict(zip(others, rest, strict=True)))
@@ -256,8 +227,10 @@ def _report(
 ) -> MovementReport:
     sides = BOTH if has_like_sides(infant) else SIDES
     sided = [(*job, side) for job in jobs for side in (sides if TRIALS[job[0]].side else ("",))]
-    results = _run(infant.model_dump_json(), sided, processes, progress)
-    rows = list[Row]()
+    spec, results, rows = infant.model_dump_json(), dict[Job, Measured](), list[Row]()
+    for place, result in run_jobs(try_movement, [(spec, *job) for job in sided], processes):
+        results[sided[place]] = result
+        progress(len(results), len(sided))
     for (name, age, side), result in ((job, results[job]) for job in sided):
         for measure in TRIALS[name].measures:
             window, value = window_of(measure.name, age), result.values.get(measure.name)
@@ -270,30 +243,14 @@ Job = tuple[str, float, str]  # Name of a trial, age in months, and the side who
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
-    """What came of a trial."""
+class Measured:
+    """The result of a trial."""
 
     values: Values
     reason: str = ""  # Why it was not tried.
 
 
-def _run(spec: str, jobs: Sequence[Job], processes: int, progress: Progress) -> Mapping[Job, Result]:
-    """Return what comes of each job; with one process, everything runs in this one."""
-    results: dict[Job, Result] = {}
-    if processes == 1:
-        for job in jobs:
-            results[job] = try_movement(spec, *job)
-            progress(len(results), len(jobs))
-        return results
-    with process_pool(processes) as pool:
-        running = {pool.submit(try_movement, spec, *job): job for job in jobs}
-        for future in as_completed(running):
-            results[running[future]] = future.result()
-            progress(len(results), len(jobs))
-    return results
-
-
-def try_movement(spec: str, name: str, age_months: float, side: str = "") -> Result:
+def try_movement(spec: str, name: str, age_months: float, side: str = "") -> Measured:
     """Return what comes of a trial with the infant of a spec in JSON, grown to some age.
 
     The side that a trial does not measure is measured on the infant's mirror image.
@@ -302,7 +259,7 @@ def try_movement(spec: str, name: str, age_months: float, side: str = "") -> Res
     mirrored = side in SIDES and side != trial.side
     subject = _subject(exchanged(spec) if mirrored else spec, age_months)
     reason = missing(trial, subject.infant)
-    return Result({}, exchanged(reason) if mirrored else reason) if reason else Result(trial.measure(subject))
+    return Measured({}, exchanged(reason) if mirrored else reason) if reason else Measured(trial.measure(subject))
 
 
 @lru_cache(maxsize=16)

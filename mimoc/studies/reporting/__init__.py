@@ -1,7 +1,7 @@
 """Reports: one HTML page on an infant, a training run or a cohort, which needs nothing besides itself."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +12,17 @@ from mimoc.bundle.io import LOCK, Bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
 from mimoc.compiler.provenance import SPEC_FILE
-from mimoc.compiler.world_sources import world_of
+from mimoc.compiler.worlds import world_of
 from mimoc.recording.description import RECORDING
 from mimoc.recording.folder import read_infant
 from mimoc.schema.counterparts import counterpart
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.reporting.page import Page, render
+from mimoc.studies.jobs import Progress
+from mimoc.studies.reporting.page import render
 
 if TYPE_CHECKING:
-    from mimoc.studies.cohorts import Cohort
+    from mimoc.studies.cohorts.cohort import Cohort
 
-Progress = Callable[[int, int], None]  # Called with the number of steps done and their total.
 RUN, COHORT = "run.json", "cohort.json"  # Files that are in the folder of a training run, and of a cohort.
 
 
@@ -67,38 +67,29 @@ def report(
     """
     place, show = check_page(path), progress or (lambda done, total: None)
     folder = Path(os.path.expanduser(source)) if isinstance(source, PATH) else None
-    is_folder_of = {name for name in (RUN, COHORT) if folder and (folder / name).is_file()}
-    if not is_folder_of and cohort is None and (world := world_of(source)):
+    kind = next((name for name in (COHORT, RUN) if folder and (folder / name).is_file()), None)
+    world = world_of(source) if kind is None and cohort is None else None
+    others = {beside: build(counterpart(_spec(source), beside))} if beside and not world else {}
+    if world:
         from mimoc.studies.reporting.world import world_page
 
-        return write_file(place, render(world_page(world, show, check=check, counterpart=beside)))
-    others = {beside: build(counterpart(_spec(source), beside))} if beside else {}
-    page = _page(source, check, cohort, show, others)
-    return write_file(place, render(page))
-
-
-def _page(
-    source: Any,
-    check: bool,
-    cohort: "Cohort | None",
-    progress: Progress,
-    counterparts: Mapping[str, Bundle],
-) -> Page:
-    folder = None if isinstance(source, (Bundle, InfantSpec)) else Path(os.path.expanduser(source))
-    if folder and (folder / COHORT).is_file():
+        page = world_page(world, show, check=check, counterpart=beside)
+    elif folder and kind == COHORT:
         from mimoc.studies.reporting.cohort import cohort_page
 
-        return cohort_page(folder, cohort, progress)
-    if cohort is not None:
+        page = cohort_page(folder, cohort, show)
+    elif cohort is not None:
         name = folder or repr(source)
         raise MimocError(f"{name}: not the folder of a cohort; name the one given to 'mimoc cohort run'")
-    if folder and (folder / RUN).is_file():
+    elif folder and kind == RUN:
         from mimoc.studies.reporting.training import training_page
 
-        return training_page(folder)
-    from mimoc.studies.reporting.infant import infant_page
+        page = training_page(folder)
+    else:
+        from mimoc.studies.reporting.infant import infant_page
 
-    return infant_page(_infant(source, progress), progress, check=check, counterparts=counterparts)
+        page = infant_page(_infant(source, show), show, check=check, counterparts=others)
+    return write_file(place, render(page))
 
 
 def _spec(source: Any) -> InfantSpec:

@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.primitives import solid_extents
+from mimoc.bundle.model import solid_extents
 from mimoc.compiler.measuring import Figure, own_solids
 from mimoc.render.plots.drawing import Point, Shape, area
 
-CORNERS = 24  # Of the polygon that stands for the outline of a solid.
+CORNERS = 24  # Corners of the polygon that approximates the outline of a solid.
 
 Points = npt.NDArray[np.float64]
 

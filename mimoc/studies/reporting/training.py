@@ -11,10 +11,9 @@ from mimoc.bundle.world import WorldBundle
 from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.studies.reporting import page, words
-from mimoc.studies.reporting.infant import infant_sections
-from mimoc.studies.reporting.infant.sources import Sources
-from mimoc.studies.reporting.infant.who import introduce
+from mimoc.studies.reporting.infant import infant_sections, introduce
 from mimoc.studies.reporting.page import Cell, Code, Details, Drawings, Section, TextBlock, Tile, Tiles, number, table
+from mimoc.studies.reporting.sources import Sources
 from mimoc.studies.reporting.world import infant_section, introduce_world
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
@@ -30,7 +29,7 @@ NAMES = {
     "checkpoint_every": "control steps between checkpoints",
 }
 TILES = (outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.RETURN)
-SHOWN_DOTS = 60  # Rows up to which each is a dot.
+MAX_DOTTED_ROWS = 60  # Number of rows up to which each is drawn as a dot.
 CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
 UNFINISHED_NOTE = (
     " Hollow and dotted: so far, of episodes that had not ended then, which cannot be compared with whole ones."
@@ -101,7 +100,7 @@ def _plot(curve: Curve, quantity: Quantity) -> Plot:
         steps, values = [x for x, _ in points], [y for _, y in points]
         if len(points) > 1:
             lines.append(Line(steps, values, "", of_line))
-        if len(points) <= SHOWN_DOTS:
+        if len(points) <= MAX_DOTTED_ROWS:
             titles = tuple(f"{x:,.0f} steps: {words.figure(y)}{ending}" for x, y in points)
             dots.append(Dots(steps, values, "", of_dots, titles))
     return Plot(

@@ -14,7 +14,7 @@ COMPARED = {
     "head_circumference_cm": ("smaller", "small", "large"),
     "arm_circumference_cm": ("thinner", "thin", "thick"),
 }
-"""Of each of WHO's indicators: what a child that has less of it is, and the words for little and much of it."""
+"""The comparative for a child with less of each of WHO's indicators, and the words for little and much of it."""
 CHILDREN = {"male": "boys", "female": "girls", None: "children"}
 
 

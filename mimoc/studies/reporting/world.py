@@ -19,17 +19,15 @@ from mimoc.runtime.check import check_world
 from mimoc.runtime.constraints import Constraints
 from mimoc.schema.counterparts import world_counterpart
 from mimoc.studies.reporting import words
-from mimoc.studies.reporting.infant import infant_sections
-from mimoc.studies.reporting.infant.sources import Sources, origin
-from mimoc.studies.reporting.infant.strength import UNCHECKED, beside, stability_of
-from mimoc.studies.reporting.infant.who import HEIGHT_PX, WIDTH_PX, picture_of, proportions, sentences
+from mimoc.studies.reporting.infant import HEIGHT_PX, WIDTH_PX, infant_sections, picture_of, proportions, sentences
 from mimoc.studies.reporting.page import Cell, Details, Page, Picture, Section, TextBlock, number, table
+from mimoc.studies.reporting.sources import Sources, origin
+from mimoc.studies.reporting.strength import UNCHECKED, beside, stability_of
 from mimoc.version import __version__
 
 SETTLING_S, MEASURED_S = 1.0, 0.5
 """How long infants that command nothing settle, and for how long contacts are measured then."""
-LEAST_N = 0.01
-"""Mean force of a contact that is told."""
+MIN_N = 0.01  # Mean force of a contact that is told.
 
 
 def world_page(
@@ -105,7 +103,7 @@ def contacts(world: WorldBundle) -> Section:
     rows = [
         [Cell(words.sentence(one)), Cell(other), number(words.figure(force_n))]
         for (one, other), force_n in forces_n.items()
-        if force_n >= LEAST_N
+        if force_n >= MIN_N
     ]
     about = TextBlock(
         f"Mean normal forces from {SETTLING_S:g} s to {SETTLING_S + MEASURED_S:g} s after the start, while all infants "
@@ -141,8 +139,7 @@ def rest_forces(world: WorldBundle) -> dict[tuple[str, str], float]:
     return {(one[1], other[1]): force_n for (one, other), force_n in in_order}
 
 
-Part = tuple[str, str]
-"""Name of the infant, empty for what is around, and what the part is called."""
+Part = tuple[str, str]  # Name of the infant, empty for what is around, and what the part is called.
 
 
 def _parts(model: mujoco.MjModel, world: WorldBundle) -> list[Part]:

@@ -1,20 +1,29 @@
 """Learning a skill at several ages, with the same budget at each, and how that compares with real infants."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
+from mimoc.base.errors import MimocError
 from mimoc.base.kinds import function_of
+from mimoc.base.quantities import Quantity
+from mimoc.base.quantities.child import AGE
 from mimoc.base.rounding import rounded
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import make_folder, write_file
+from mimoc.bundle.regular_files import read_json_file
 from mimoc.policies.postures import write_postures
+from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.kinds import SKILLS
 from mimoc.studies.bench.scores import wilson_interval
 from mimoc.studies.bodies import bodies_digest
-from mimoc.studies.milestones.report import AgeRange, Verdict, read_age_ranges
-from mimoc.studies.skills.attempts import Attempt, Way, attempts_of, searches
+from mimoc.studies.comparison import AgeRange, AgeVerdict, read_figures
+from mimoc.studies.growth_plots import AgeRow
+from mimoc.studies.jobs import JobStore, Progress
+from mimoc.studies.skills.search import Attempt, searches
 
 TRIES, STARTS, SEEDS, STEPS, ENVS = 1600, 20, 2, 5_000_000, 512
 """How many movements a search tries, in how many starts its result is measured, and how many searches an age
@@ -27,11 +36,11 @@ CHILD = {
     "senses": {"proprioception": {"include": ["velocity"]}, "vestibular": {}},
 }
 
-REAL_AGES: Mapping[str, AgeRange] = read_age_ranges(Path(__file__).with_name("ages.csv"))
+REAL_AGES: Mapping[str, AgeRange] = dict(read_figures(Path(__file__).with_name("ages.csv"), AgeRange))
 
 
 class AgeResult(Model):
-    """What came of all searches at an age."""
+    """The results of all searches at an age."""
 
     age_months: float
     """The age."""
@@ -63,12 +72,12 @@ class SkillReport(Model):
     """Its name."""
     from_months: float | None
     """The age at which half of the starts succeed, between two ages by a straight line; None if never."""
-    verdict: Verdict
+    verdict: AgeVerdict
     """How that compares with real infants."""
     real_infants: AgeRange
     """When they have the skill."""
     ages: tuple[AgeResult, ...]
-    """What came of it at each age."""
+    """The results at each age."""
     bodies: str = ""
     """Digest of the bodies at these ages, `bodies_of`."""
 
@@ -116,12 +125,12 @@ def learn_skill(
     device: str = "cpu",
     steps: int = STEPS,
     envs: int = ENVS,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Progress = lambda done, total: None,
 ) -> SkillReport:
     """Search for a skill at some ages, or train a policy for it on a device, and keep the best of each in a folder.
 
     Args:
-        skill: One of `mimoc.schema.components.tasks.SKILLS`.
+        skill: One of `mimoc.schema.kinds.SKILLS`.
         ages: In [months], in any order.
         out: The folder of the results; what is in it already from the same software is not searched again.
         spec: The child; None means the average one.
@@ -144,13 +153,19 @@ def learn_skill(
     infants = {age: child.with_(task=None).with_(age_months=age, task=task, scene=None) for age in sorted(ages)}
     jobs = [(infant, seed) for infant in infants.values() for seed in range(seeds)]
     if device == "cpu":
-        how = partial(searches, tries=tries, starts=starts, processes=processes)
-        way = Way("searched", (tries, starts), how)
+        what = ("searched", tries, starts)
+        make = partial(searches, tries=tries, starts=starts, processes=processes)
     else:
+        what = ("trained", steps, starts, device, envs)
         trainings = function_of("mimoc.studies.skills.trainings", "trainings")  # They need what not everyone has.
-        how = partial(trainings, steps=steps, starts=starts, device=device, envs=envs, out=out, processes=processes)
-        way = Way("trained", (steps, starts, device, envs), how)
-    attempts = attempts_of(jobs, way, out, progress)
+        make = partial(trainings, steps=steps, starts=starts, device=device, envs=envs, out=out, processes=processes)
+
+    def attempt(places: Sequence[int]) -> Iterator[tuple[int, Attempt]]:
+        make_folder(out, below=out.parent)
+        return make([jobs[place] for place in places], progress)
+
+    keys = [(*what, infant.model_dump(mode="json"), seed) for infant, seed in jobs]
+    attempts = JobStore(out, "attempts", Attempt).complete(keys, attempt)
     results = [AgeResult.of([attempt for attempt in attempts if attempt.age_months == float(age)]) for age in infants]
     for result in results:
         best, name = result.best, f"{skill}_{result.age_months:g}_months"
@@ -159,3 +174,77 @@ def learn_skill(
         elif best.policy:
             write_file(out / f"{name}.zip", (out / best.policy).read_bytes())
     return SkillReport.of(skill, results, bodies_of(child, ages))
+
+
+RESULTS = Path(__file__).with_name("results")
+"""What is known of each skill that was searched for or trained; `.ci/task skills` renews what was searched for."""
+
+
+@dataclass(frozen=True)
+class SkillsReport:
+    """All skills whose results come with mimoc, and those that wait for a GPU."""
+
+    skills: Sequence[SkillReport]
+
+    @property
+    def waiting(self) -> list[str]:
+        """Skills without results."""
+        return [name for name in SKILLS if name not in {skill.skill for skill in self.skills}]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no skill comes too early; one that a search does not find says little."""
+        return all(skill.verdict != "too early" for skill in self.skills)
+
+    @property
+    def rows(self) -> list[AgeRow]:
+        """The skills as they are plotted."""
+        what = "mimoc, half of the starts"
+        return [
+            AgeRow(item.skill.replace("_", " "), {what: item.from_months}, item.real_infants.ages)
+            for item in self.skills
+        ]
+
+    def to_data(self) -> dict[str, Any]:
+        """Return the report as plain data."""
+        skills = [skill.to_data() for skill in self.skills]
+        return {"passed": self.passed, "skills": skills, "waiting": self.waiting}
+
+
+def shipped_skills(folder: Path = RESULTS) -> SkillsReport:
+    """Return all results that come with mimoc, in the order in which infants learn skills; or raise a MimocError."""
+    read = {name: read_json_file(folder / f"{name}.json", SkillReport) for name in SKILLS}
+    skills = [skill for skill in read.values() if skill is not None]
+    if not skills:
+        raise MimocError(f"{folder}: no results of skills; `.ci/task skills` makes them")
+    return SkillsReport(skills)
+
+
+SUCCESS = Quantity("success_rate", "Success", "1")
+
+
+def skill_sheet(report: SkillReport) -> Sheet:
+    """Return success by age with its intervals, each search as a dot, over the ages of real infants."""
+    ages = [result.age_months for result in report.ages]
+    low, high = zip(*(result.interval for result in report.ages), strict=True)
+    real = report.real_infants
+    window = real.youngest_months, real.oldest_months
+    searches = [(result.age_months, attempt.success) for result in report.ages for attempt in result.searches]
+    plot = Plot(
+        x=AGE,
+        y=SUCCESS,
+        lines=(
+            Line(ages, [result.success for result in report.ages], "all searches"),
+            *(Line((age,) * 2, (0.0, 1.0), "", "median") for age in real.ages[1:-1]),
+        ),
+        bands=(
+            Band(window, (0.0, 0.0), (1.0, 1.0), "real infants (line: usual)", "window"),
+            Band(ages, low, high, "95 %"),
+        ),
+        dots=(Dots([age for age, _ in searches], [share for _, share in searches], "each search"),),
+        title=f"{report.skill.replace('_', ' ')}: share of starts with success",
+        x_range=(min([*ages, real.youngest_months]) - 0.5, max([*ages, real.oldest_months]) + 0.5),
+        y_range=(-0.03, 1.03),
+        level=LEARNT,
+    )
+    return Sheet((plot,))

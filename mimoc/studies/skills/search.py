@@ -8,23 +8,123 @@ more starts, by successive halving:
     rounds of 40 tries, 1,440 of 1,600    first half: 40 draws    second half: 32 draws, and the 8 that were kept
     checks, the other 160                 9 candidates in 4 starts each, 5 in 8 more, 3 in 13 more, 2 in 20 more
 
+A movement is made of a vector of numbers, by the recipe of its skill, so that any search can find it:
+
+    vector (v,)  ->  postures (p, n), in shares of the ranges of n joints, and how they follow what is felt, (4, n)
+
 What no draw does may still be possible: a search that finds nothing says so much about itself as about the body.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 
 import numpy as np
 
-from mimoc.policies.postures import PosturePolicy, Postures
+from mimoc.base.errors import SpecError
+from mimoc.policies.postures import PosturePolicy, Postures, mirrored
 from mimoc.policies.rollout import rollout
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.opening.environments import open_infant
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.skills.recipes import RECIPES, Form
+from mimoc.schema.base import Model
+from mimoc.schema.infant import InfantSpec
+from mimoc.studies.jobs import Progress, run_jobs
+
+TRUNK = ("hip_bend1", "hip_lean1", "hip_rot1")
+LIMBS = ("shoulder_horizontal", "shoulder_ad_ab", "elbow", "hip1", "hip2", "knee")
+ROLLING = (*TRUNK, "head_swivel", "head_tilt", *LIMBS, "shoulder_rotation", "hip3")
+UPRIGHT = (*TRUNK, "head_tilt", *LIMBS, "foot1", "foot2")
+HOLDING = ("hand1", "hand2", "hand3", "fingers")
+"""Joints that move, without `robot:` and without their side; all others are left quiet, so that a search has fewer
+numbers. `fingers` are all of their joints."""
+FINGERS = ("th", "ff", "mf", "rf", "lf")
+SWAY_STEP = 0.5  # Gain from what is felt to a share of the range, for each unit of the vector.
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A kind of movement."""
+
+    joints: tuple[str, ...]  # The joints that move, without their side.
+    postures: int
+    posture_s: float
+    moving_s: float
+    is_symmetric: bool = False  # Whether both sides do the same, but for what is felt of falling to a side.
+    repeats: bool = False
+    is_mirrored: bool = False  # Whether both sides take turns.
+    sways: bool = False  # Whether the infant leans against falling over.
+    spread: float = 0.6  # Spread of the first draws around the start, or around no command, in shares of half a range.
+    stiffness_per_rad: float = 0.0
+    """Share of strength for each radian off a posture; 0 for movements of commands, drawn around none."""
+
+
+_HELD = Recipe(UPRIGHT, 1, 1.0, 0.2, True, sways=True, spread=0.15, stiffness_per_rad=1.0)
+RECIPES: Mapping[str, Recipe] = {
+    "roll": Recipe(ROLLING, 3, 1.0, 0.4, spread=0.7),
+    "sit_up": Recipe(ROLLING, 3, 1.0, 0.4, spread=1.0),
+    "sit": _HELD,
+    "crawl": Recipe(ROLLING, 2, 0.4, 0.3, repeats=True, is_mirrored=True, spread=0.6),
+    "pull_to_stand": Recipe(UPRIGHT, 2, 1.5, 1.0, True, sways=True),
+    "stand": _HELD,
+    "cruise": Recipe(UPRIGHT, 2, 0.4, 0.3, repeats=True, spread=0.2, sways=True, stiffness_per_rad=1.0),
+    "walk": Recipe(UPRIGHT, 2, 0.3, 0.2, repeats=True, is_mirrored=True, sways=True, spread=0.2, stiffness_per_rad=1.0),
+    "grasp": Recipe(HOLDING, 2, 1.0, 0.4, spread=0.5),
+}
+
+
+class Form:
+    """From vectors to movements of an infant."""
+
+    def __init__(self, recipe: Recipe, task: str, age_months: float, joints: tuple[str, ...], start: FloatArray):
+        """Say what a movement is made of; hinges that can be commanded start at shares of their range, shape (n,)."""
+        kept = [place for place, joint in enumerate(joints) if _name(joint) in recipe.joints]
+        self.recipe, self.task, self.age_months = recipe, task, age_months
+        self.joints = tuple(joints[place] for place in kept)
+        self._start = np.clip(start[kept], -1.0, 1.0) if recipe.stiffness_per_rad else np.zeros(len(kept))
+        one_side = np.eye(len(self.joints))[[place for place, joint in enumerate(self.joints) if "left_" not in joint]]
+        other_side = mirrored(self.joints, one_side)
+        alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
+        # Postures in which both sides do the same, and in which they do the opposite, shape (b, n) each.
+        self._alike, self._opposite = alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]
+        self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
+        self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()
+
+    @property
+    def sizes(self) -> list[int]:
+        """Number of numbers of each posture, then of each row of the sway."""
+        return [len(self._of_posture)] * self.recipe.postures + [len(basis) for basis in self._of_sway]
+
+    def scale(self) -> FloatArray:
+        """Return by how much the numbers of first draws spread, shape (v,)."""
+        return np.full(sum(self.sizes), self.recipe.spread)
+
+    def movement(self, vector: FloatArray) -> Postures:
+        """Return the movement that a vector means, shape (v,)."""
+        parts, count = np.split(vector, np.cumsum(self.sizes)[:-1]), self.recipe.postures
+        postures = [np.clip(self._start + part @ self._of_posture, -1.0, 1.0) for part in parts[:count]]
+        sway = [SWAY_STEP * part @ basis for part, basis in zip(parts[count:], self._of_sway, strict=True)]
+        return Postures(
+            task=self.task,
+            age_months=self.age_months,
+            joints=self.joints,
+            postures=tuple(tuple(np.round(posture, 4).tolist()) for posture in postures),
+            posture_s=self.recipe.posture_s,
+            moving_s=self.recipe.moving_s,
+            repeats=self.recipe.repeats,
+            mirrored=self.recipe.is_mirrored,
+            stiffness_per_rad=self.recipe.stiffness_per_rad,
+            sway=tuple(tuple(np.round(row, 4).tolist()) for row in sway),
+        )
+
+
+def _name(joint: str) -> str:
+    name = joint.removeprefix("robot:").removeprefix("left_").removeprefix("right_")
+    return "fingers" if name.partition("_")[0] in FINGERS else name
+
 
 DRAWS, KEPT = 40, 8  # Movements that are tried in a round, and how many of them are kept for the next one.
-LEAST_SPREAD, SMOOTHING = 0.15, 0.7
+MIN_SPREAD, SMOOTHING = 0.15, 0.7
 """The least spread, as a share of the first one, and how far the kept ones move mean and spread."""
 EXPLORED = 0.5  # Share of the rounds in which what is kept is not tried again.
 PASSED, CHECKS = 0.9, 8
@@ -37,7 +137,7 @@ FIRST_TRY, FIRST_CHECK = 1_000_000, 500_000
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a search has found."""
+    """The result of a search."""
 
     movement: Postures
     success: float  # Share of starts that the search has not seen in which the infant has the skill.
@@ -118,7 +218,7 @@ def search(
         kept = sorted([*lucky, *played], key=lambda candidate: -candidate.score)[:KEPT]
         vectors = np.array([candidate.vector for candidate in kept])
         mean = mean + SMOOTHING * (vectors.mean(axis=0) - mean)
-        spread = np.maximum(spread + SMOOTHING * (vectors.std(axis=0) - spread), LEAST_SPREAD * scale)
+        spread = np.maximum(spread + SMOOTHING * (vectors.std(axis=0) - spread), MIN_SPREAD * scale)
         curve.append(round(sum(candidate.score for candidate in kept) / KEPT, 3))
         progress(len(curve) * DRAWS)
     tried, checks = len(curve) * DRAWS, min(int(tries * CHECKED), tries - len(curve) * DRAWS)
@@ -144,3 +244,61 @@ def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tri
         left.sort(key=lambda candidate: (-candidate.success, -candidate.score))
         left = left[: (len(left) + 1) // 2]
     return left[0], tried
+
+
+class Attempt(Model):
+    """One search at one age."""
+
+    age_months: float
+    """The infant's age."""
+    seed: int
+    """Seed of the search."""
+    success: float
+    """Share of starts in which it has the skill."""
+    starts: int
+    """Number of these starts."""
+    tried: int = 0
+    """Number of movements tried, or of control steps of a training."""
+    curve: tuple[float, ...] = ()
+    """Mean score of the best tries in each round, or the share of episodes with success in each row of a training."""
+    movement: Postures | None = None
+    """The movement that a search found; None if a policy was trained, or the infant cannot even begin."""
+    policy: str = ""
+    """Path of the policy that was trained on a device, from the folder of the results."""
+    success_on_device: float | None = None
+    """Share of the infants that had success there with the same policy, one episode each."""
+    problem: str = ""
+    """Why it cannot begin."""
+
+
+def problem_of(error: SpecError) -> str:
+    """Return why a task cannot begin, without the place in a spec."""
+    return str(error).partition("task.kind: ")[2] or str(error)
+
+
+Job = tuple[InfantSpec, int]  # The infant that is to learn a skill, and the seed.
+
+
+def searches(
+    jobs: Sequence[Job], progress: Progress, tries: int, starts: int, processes: int
+) -> Iterator[tuple[int, Attempt]]:
+    """Search for movements in processes side by side; progress is in searches."""
+    progress(0, len(jobs))
+    done = run_jobs(searched, [(*job, tries, starts) for job in jobs], processes)
+    for count, attempt in enumerate(done, 1):
+        yield attempt
+        progress(count, len(jobs))
+
+
+def searched(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
+    """Return what comes of one search."""
+    attempt = partial(Attempt, age_months=spec.age_months, seed=seed, starts=starts)
+    try:
+        env = open_infant(spec)
+    except SpecError as error:
+        return attempt(success=0.0, problem=problem_of(error))
+    outcome = search(env, seed, tries, starts)
+    env.close()
+    recipe = {"learner": "cross-entropy search", "seed": float(seed), "success": outcome.success}
+    movement = outcome.movement.model_copy(update={"recipe": {**recipe, "tried": float(outcome.tried)}})
+    return attempt(success=outcome.success, tried=outcome.tried, curve=outcome.curve, movement=movement)

@@ -1,7 +1,6 @@
 """Trainings of a skill on a device, all ages and seeds side by side, measured on the CPU."""
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import as_completed
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +9,10 @@ from mimoc.base.errors import SpecError
 from mimoc.compiler import pipeline
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.kept_results import process_pool
-from mimoc.studies.skills.attempts import Attempt, Job, ProgressCallback, problem_of
-from mimoc.studies.skills.search import FIRST_TEST
+from mimoc.studies.jobs import Progress, run_jobs
+from mimoc.studies.skills.search import FIRST_TEST, Attempt, Job, problem_of
 from mimoc.training import Training, evaluate, load_policy
-from mimoc.training.group import Wish, train_together
+from mimoc.training.trainer import TrainingJob, train_together
 
 HYPER = {"gamma": 0.99}
 """What a skill needs, which takes seconds: rewards of a second from now count .6 of those of now, with control steps of
@@ -27,7 +25,7 @@ for each episode, from 0 on, so that many episodes are as those in which the pol
 
 def trainings(
     jobs: Sequence[Job],
-    progress: ProgressCallback,
+    progress: Progress,
     steps: int,
     starts: int,
     device: str,
@@ -36,7 +34,7 @@ def trainings(
     processes: int,
 ) -> Iterator[tuple[int, Attempt]]:
     """Train policies for infants with seeds on a device side by side; yield the place of each and what came of it."""
-    wishes, names = dict[int, Wish](), dict[int, str]()
+    wanted, names = dict[int, TrainingJob](), dict[int, str]()
     for place, (spec, seed) in enumerate(jobs):
         try:
             infant = pipeline.compiled(while_learning(spec))
@@ -45,17 +43,13 @@ def trainings(
             yield place, attempt.model_copy(update={"problem": problem_of(error)})
             continue
         names[place] = f"trainings/{spec.age_months:g}_months_{seed}"
-        wishes[place] = Wish(infant, out / names[place], seed)
-    if not wishes:
+        wanted[place] = TrainingJob(infant, out / names[place], seed)
+    if not wanted:
         return
-    made = train_together(list(wishes.values()), device, steps=steps, envs=envs, hyper=HYPER, progress=progress)
-    with process_pool(min(processes, len(wishes))) as pool:
-        measured = {
-            pool.submit(_measured, *jobs[place], names[place], training, starts): place
-            for place, training in zip(wishes, made, strict=True)
-        }
-        for future in as_completed(measured):
-            yield measured[future], future.result()
+    made = train_together(list(wanted.values()), device, steps=steps, envs=envs, hyper=HYPER, progress=progress)
+    places = list(wanted)
+    measured = [(*jobs[place], names[place], training, starts) for place, training in zip(places, made, strict=True)]
+    yield from ((places[index], attempt) for index, attempt in run_jobs(_measured, measured, processes))
 
 
 def while_learning(spec: InfantSpec) -> InfantSpec:

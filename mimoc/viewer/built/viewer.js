@@ -1,4 +1,4 @@
-/* mimoc's viewer, built by make viewer from sources of SHA-256 844220acf29dde4f970ea358f5d74a5c07961ee6a71253bdc13ed6683e7d64e4 */
+/* mimoc's viewer, built by .ci/task viewer from sources of SHA-256 767b138398f4dd48a38b29d73da5c676a5a2023a4ef1b8d479e41e2d02abf747 */
 (()=>{/**
  * @license
  * Copyright 2010-2026 Three.js Authors

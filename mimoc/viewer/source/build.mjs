@@ -1,4 +1,4 @@
-// Builds what pages contain (`make viewer`): node build.mjs SOURCE NODE_MODULES
+// Builds what pages contain (`.ci/task viewer`): node build.mjs SOURCE NODE_MODULES
 
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
@@ -22,7 +22,7 @@ const usual = {
 const sources = readdirSync(here).filter((name) => /\.(m?js|json)$/.test(name)).sort();
 const hash = createHash("sha256");
 for (const name of sources) hash.update(readFileSync(join(here, name)));
-const banner = { js: `/* mimoc's viewer, built by make viewer from sources of SHA-256 ${hash.digest("hex")} */` };
+const banner = { js: `/* mimoc's viewer, built by .ci/task viewer from sources of SHA-256 ${hash.digest("hex")} */` };
 await build({ ...usual, banner, entryPoints: [join(here, "main.js")], outfile: join(out, "viewer.js") });
 await build({
   ...usual,

@@ -1,12 +1,28 @@
+"""Volumes, areas, reaches, depths, sections and nearest points of primitives."""
+
+import math
+
 import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from scipy.special import ellipe, elliprg
 
-from mimoc.base.geometry.primitives import area, depths, extents, outward, volume
+from mimoc.base.geometry.primitives import (
+    Solids,
+    area,
+    depths,
+    ellipse_perimeter,
+    ellipsoid_area,
+    extents,
+    girth,
+    nearest_points,
+    outward,
+    volume,
+)
+from mimoc.base.geometry.rotations import matrix_from_euler
 
-SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
-"""How many numbers each kind has."""
+SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}  # How many numbers each kind has.
 lengths = st.floats(0.02, 0.2)
 primitives = st.sampled_from(sorted(SIZES)).flatmap(
     lambda kind: st.tuples(st.just(kind), st.tuples(*[lengths] * SIZES[kind]))
@@ -31,7 +47,6 @@ REACHES = {
 @pytest.mark.parametrize("kind", SIZES)
 @given(data=st.data())
 def test_volumes_are_mujocos(kind, data):
-    """At one kilogram a cubic metre the mass MuJoCo computes is the volume."""
     size_m = data.draw(st.tuples(*[lengths] * SIZES[kind]))
     written = " ".join(map(repr, size_m))
     xml = f'<mujoco><worldbody><body><geom type="{kind}" size="{written}" density="1"/></body></worldbody></mujoco>'
@@ -118,3 +133,92 @@ def test_the_farthest_point_is_as_far_as_a_primitive_reaches(primitive, directio
     found = extents([primitive])
     point = found.farthest(direction[None])[0]
     assert point @ direction == pytest.approx(found.along(direction[None])[0])
+
+
+UP, LEFT = np.eye(3)[2], np.eye(3)[1]
+sizes = st.floats(0.02, 0.2)
+
+
+def solids(*primitives) -> Solids:
+    kinds, sizes_m, centres, angles = zip(*primitives, strict=True)
+    turns = np.array([matrix_from_euler(angle) for angle in angles])
+    return Solids(extents(zip(kinds, sizes_m, strict=True)), np.array(centres, float), turns)
+
+
+@given(radius=sizes, height=st.floats(-0.95, 0.95))
+def test_a_sphere_is_cut_in_circles(radius, height):
+    ball = solids(("sphere", (radius,), (0, 0, 1), (0, 0, 0)))
+    across = math.sqrt(1 - height**2) * radius
+    assert ball.girth(UP, 1 + height * radius) == pytest.approx(2 * math.pi * across, rel=1e-6)
+
+
+@given(radius=sizes, half=sizes, height=st.floats(-0.9, 0.9))
+def test_a_lying_capsule_is_cut_in_stadiums(radius, half, height):
+    """Perimeter 2 pi r + 4 h, breadth 2 (r + h), with the radius at that height."""
+    trunk = solids(("capsule", (radius, half), (0, 0, 0), (90, 0, 0)))
+    here = math.sqrt(1 - height**2) * radius
+    assert trunk.girth(UP, height * radius) == pytest.approx(2 * math.pi * here + 4 * half, rel=1e-4)
+    reach = trunk.section_reach(UP, height * radius, np.array([LEFT, -LEFT]))
+    assert reach.sum() == pytest.approx(2 * (here + half), rel=1e-6)
+
+
+def test_a_tape_spans_the_hollow_between_two_balls():
+    pair = solids(("sphere", (0.1,), (0, -0.3, 0), (0, 0, 0)), ("sphere", (0.1,), (0, 0.3, 0), (0, 0, 0)))
+    assert pair.girth(UP, 0.0) == pytest.approx(2 * math.pi * 0.1 + 4 * 0.3, rel=1e-4)
+
+
+def test_solids_that_the_plane_misses_do_not_count():
+    low, high = ("sphere", (0.1,), (0, 0, 0), (0, 0, 0)), ("sphere", (0.5,), (0, 0, 2), (0, 0, 0))
+    assert solids(low, high).girth(UP, 0.0) == pytest.approx(solids(low).girth(UP, 0.0))
+
+
+def test_an_ellipsoid_is_cut_in_ellipses():
+    """Ramanujan's approximation of its perimeter is good to 1e-5 here."""
+    a, b = 0.08, 0.06
+    head = solids(("ellipsoid", (a, b, 0.1), (0, 0, 0), (0, 0, 0)))
+    h = ((a - b) / (a + b)) ** 2
+    perimeter = math.pi * (a + b) * (1 + 3 * h / (10 + math.sqrt(4 - 3 * h)))
+    assert head.girth(UP, 0.0) == pytest.approx(perimeter, rel=1e-5)
+
+
+long = st.floats(0.5, 1.0)
+half_axes = st.tuples(long, long, long)
+coordinates = st.one_of(st.just(0.0), st.floats(-2, 2))
+points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
+
+
+@given(short=long)
+def test_a_perimeter_is_the_elliptic_integral(short):
+    assert ellipse_perimeter(1.0, short) == pytest.approx(4 * ellipe(1 - short**2), rel=1e-9)
+    assert ellipse_perimeter(short, 1.0) == ellipse_perimeter(1.0, short)
+
+
+@given(half_axes=half_axes)
+def test_an_area_is_the_elliptic_integral(half_axes):
+    a, b, c = half_axes
+    wanted = 4 * np.pi * elliprg((a * b) ** 2, (a * c) ** 2, (b * c) ** 2)
+    assert ellipsoid_area(half_axes) == pytest.approx(wanted, rel=1e-10)
+
+
+@given(half_axes=half_axes, point=points)
+def test_the_nearest_point_is_on_the_surface_and_none_found_by_trying_is_nearer(half_axes, point):
+    """Inside, outside and in the planes of symmetry."""
+    (nearest,) = nearest_points(half_axes, point[None])
+    assert np.linalg.norm(nearest / half_axes) == pytest.approx(1, abs=1e-9)
+    polar, around = np.meshgrid(np.linspace(0, np.pi, 41), np.linspace(0, 2 * np.pi, 80))
+    ball = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
+    distances = np.linalg.norm(point - ball * half_axes, axis=-1)
+    assert np.linalg.norm(point - nearest) <= distances.min() + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "wanted"),
+    [
+        ("sphere", (1.0,), 2 * np.pi),
+        ("capsule", (1.0, 3.0), 2 * np.pi),
+        ("ellipsoid", (1.0, 1.0, 2.0), 2 * np.pi),
+        ("box", (1.0, 2.0, 3.0), 12.0),
+    ],
+)
+def test_a_girth_is_measured_across_the_middle(kind, size, wanted):
+    assert girth(kind, size) == pytest.approx(wanted)

@@ -16,7 +16,7 @@ from support.mimo_scenes import FREE, WORLD, body, mimo_of, remove, with_prefixe
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.bundle.io import write_bundle
-from mimoc.compat.importing import import_config
+from mimoc.compat import import_config
 from mimoc.compat.settings import Imported
 
 PAGE = Path(__file__).parents[3] / "docs" / "import_mimo.md"

@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 
 import mimoc.compat.mimo3 as mimo3
 from mimoc.base.errors import MimocError
-from mimoc.compat.mimo3.registration import ELSEWHERE, ENVIRONMENTS, register_ids
+from mimoc.compat.mimo3.tasks import ELSEWHERE, ENVIRONMENTS, register_ids
 
 NO_EYES = {"vision_params": None}
 SHAPES = {

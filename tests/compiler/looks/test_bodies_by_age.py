@@ -17,8 +17,7 @@ from mimoc.compiler.mjcf.skin import SkinLayer
 
 HANDS = ("mitten", "five_finger")
 BENT_DEG = 120.0
-KEPT = 0.85
-"""Share of a limb's girth that is left when it is bent."""
+KEPT = 0.85  # Share of a limb's girth that is left when it is bent.
 FARTHEST_STRETCH = 2.5
 JOINTS = {
     "elbow": ("lower_arm", -BENT_DEG),

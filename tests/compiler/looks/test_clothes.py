@@ -17,15 +17,12 @@ from mimoc.compiler.mjcf.skin import SkinLayer, encode_skn
 
 HANDS = ("mitten", "five_finger")
 WORN = [outfit for outfit in OUTFITS if outfit != BARE]
-SEAM_M = 0.001
-"""How far the edge of a hem may be from what is below it: it is sunk a little into it."""
-THROUGH_M = 0.001
-"""How far trousers may pass through a shirt."""
+SEAM_M = 0.001  # How far the edge of a hem may be from what is below it: it is sunk a little into it.
+THROUGH_M = 0.001  # How far trousers may pass through a shirt.
 OF_A_THIGH = 0.3
 """Share of the thighs in what moves an edge of trousers, from which it may press into a belly: there solids overlap,
 too, and both are soft."""
-SHARPEST_DEG, SHORTEST_M = 75.0, 0.001
-"""The largest turn between two edges of a hem, and the least length of one."""
+SHARPEST_DEG, SHORTEST_M = 75.0, 0.001  # The largest turn between two edges of a hem, and the least length of one.
 PAIRS = [(hands, outfit) for hands in HANDS for outfit in WORN]
 
 
@@ -126,7 +123,7 @@ def test_an_outfit_has_the_same_vertices_and_faces_at_all_ages(hands):
 
 def test_the_same_child_has_the_same_bytes_twice():
     tree = replace(child(4), clothes="bodysuit")
-    skin_of.__globals__["skins"].cache_clear()
+    skin_of.cache_clear()
     first = [encode_skn(layer) for layer in skin_of(tree).layers]
-    skin_of.__globals__["skins"].cache_clear()
+    skin_of.cache_clear()
     assert [encode_skn(layer) for layer in skin_of(tree).layers] == first

@@ -10,12 +10,12 @@ from support.skin_bodies import child
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.base.geometry.face_steps import STEP_M
+from mimoc.base.geometry.meshes import STEP_M
 from mimoc.bundle.face import MOVING, array_of
 from mimoc.compiler.looks.skin.head import deform_head
 from mimoc.compiler.looks.skin.template_mesh import template_mesh
 from mimoc.runtime.world_env import WorldEnv
-from mimoc.schema.expressions import ADULT_EXPRESSIONS, EXPRESSIONS
+from mimoc.schema.body import ADULT_EXPRESSIONS, EXPRESSIONS
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
 MOVED = EXPRESSIONS[1:]

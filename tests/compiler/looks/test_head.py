@@ -12,8 +12,7 @@ from mimoc.compiler.looks.skin.head import BARE, CLEAR, GROWTH, deform_head, den
 from mimoc.compiler.looks.skin.template_mesh import template_mesh
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
-RIM = 1.12
-"""The rims of the lids are within so many radii of an eyeball."""
+RIM = 1.12  # The rims of the lids are within so many radii of an eyeball.
 
 
 def sculpted():

@@ -16,9 +16,9 @@ from support.skin_bodies import child, children
 
 from mimoc.base.errors import DataError, GeometryError
 from mimoc.base.geometry.arrays import read_arrays, together
-from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames_in_world, pose
 from mimoc.body.poses import POSES, poses_of, resting_state
+from mimoc.body.surface import head_radius
 from mimoc.compiler.looks.skin import deformation
 from mimoc.compiler.looks.skin.deformation import layers_of, skin_of
 from mimoc.compiler.looks.skin.garments import BARE
@@ -27,15 +27,12 @@ from mimoc.compiler.looks.skin.template_mesh import FOLDER, assembled, template_
 from mimoc.compiler.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
-BELOW_FLOOR_M = 0.002
-"""How far skin may be below the floor that the solids rest on, or above it where it rests."""
+BELOW_FLOOR_M = 0.002  # How far skin may be below the floor that the solids rest on, or above it where it rests.
 TURNED_M = 0.0012
 """How much farther trousers may be on the back: the skin was made for legs that lie straight, and tone and relaxed hips
 turn thighs outwards by 25 to 44 degrees."""
-BELLY_M = 0.0035
-"""How much farther a round belly may be that an infant lies on: it would give way."""
-HAIR_M = 0.009
-"""How much farther hair may be, which is soft."""
+BELLY_M = 0.0035  # How much farther a round belly may be that an infant lies on: it would give way.
+HAIR_M = 0.009  # How much farther hair may be, which is soft.
 CHEEK_M = 0.003
 """How much farther a cheek and an ear may be that an infant lies on: they are rounder than the solid of its head."""
 

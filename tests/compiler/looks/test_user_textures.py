@@ -9,7 +9,7 @@ import pytest
 from PIL import Image, PngImagePlugin
 
 from mimoc.base.errors import MimocError, TextureError
-from mimoc.compiler.looks.user_textures import read_textures
+from mimoc.compiler.looks.wallpaper import read_textures
 
 
 def chequers(side: int, cell: int) -> np.ndarray:

@@ -28,7 +28,7 @@ from mimoc.compiler.building import builder
 from mimoc.compiler.explain import entries_of
 from mimoc.compiler.measuring import measure_body
 from mimoc.compiler.mjcf.mimo import TARGETS
-from mimoc.components.actuation.muscle.build import MIMOS
+from mimoc.components.actuation.muscle import MIMOS
 from mimoc.runtime.check import check_stability
 
 ROOT = Path(__file__).parents[3]

@@ -1,7 +1,25 @@
-import pytest
-from jinja2 import Environment, FileSystemLoader, UndefinedError
+"""Templates only print, each once compiled for all processes, and a prefix changes the names of an infant only."""
 
-from mimoc.compiler.mjcf.printing import TEMPLATES, CompiledTemplates, environment, render_text
+import re
+
+import mujoco
+import numpy as np
+import pytest
+from jinja2 import Environment, FileSystemLoader, UndefinedError, nodes
+from lxml import etree
+
+import mimoc
+from mimoc.compiler.building import builder
+from mimoc.compiler.mjcf import printing
+from mimoc.compiler.mjcf.printing import (
+    TEMPLATES,
+    CompiledTemplates,
+    environment,
+    prefixed_scene,
+    render_scene,
+    render_text,
+)
+from mimoc.schema import InfantSpec
 
 
 def test_a_template_that_is_given_too_little_fails():
@@ -48,3 +66,152 @@ def test_a_damaged_compiled_template_is_compiled_again(compiles, tmp_path, conte
 def test_a_folder_that_cannot_be_made_costs_only_time(compiles, tmp_path):
     (tmp_path / "file").touch()
     assert [compiles(tmp_path / "file" / "below"), compiles(tmp_path / "file")] == [True, True]
+
+
+INFANTS = {
+    "mitten": {},
+    "five fingers": {"body": {"hands": "five_finger"}},
+    "muscles": {"actuation": {"model": "muscle"}},
+    "spastic": {"impairments": {"preset": "diplegia"}},
+    "published": {"development": "published"},
+}
+REFERRING = ("name", "joint", "site", "body1", "body2", "geom1", "geom2", "material", "texture", "class", "childclass")
+
+
+@pytest.mark.parametrize("kind", INFANTS)
+def test_all_names_begin_with_the_prefix_and_all_numbers_stay(kind):
+    data = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": {"touch": {}}, **INFANTS[kind]}
+    plain = builder(mimoc.InfantSpec.model_validate(data)).infant
+    ours, theirs = (
+        etree.fromstring(printing.render_inhabitant(scene)) for scene in (plain, prefixed_scene(plain, "a_"))
+    )
+    for one, other in zip(ours.iter(), theirs.iter(), strict=True):
+        assert one.tag == other.tag
+        for key, value in one.attrib.items():
+            if key == "name" and one.tag in ("exclude", "pair"):
+                first, _, second = value.partition("-")
+                assert other.get(key) == f"a_{first}-a_{second}"
+            elif key in REFERRING:
+                assert other.get(key) == f"a_{value}"
+            elif one.tag == "skin" and key == "file":
+                assert other.get(key) == value.replace("assets/", "assets/a_")
+            else:
+                assert other.get(key) == value
+
+
+def test_a_skin_is_moved_by_the_bodies_with_the_prefix():
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "kim", "age_months": 9, "senses": {}})
+    bundle = mimoc.build_world({"a": spec, "b": spec})
+    model = mujoco.MjModel.from_xml_string(
+        bundle.files["scene.xml"].decode(), {name: bundle.files[name] for name in bundle.files if "assets/" in name}
+    )
+    for skin in range(model.nskin):
+        prefix = model.skin(skin).name[:2]
+        bones = model.skin_bonebodyid[model.skin_boneadr[skin] :][: model.skin_bonenum[skin]]
+        assert all(model.body(body).name.startswith(prefix) for body in bones)
+    halves = np.split(model.skin_vert, 2)
+    assert np.array_equal(*halves)
+
+
+FORBIDDEN: dict[str, tuple[type[nodes.Node], ...]] = {
+    "arithmetic": (nodes.BinExpr, nodes.Neg, nodes.Pos, nodes.Concat),
+    "a decision": (nodes.If, nodes.CondExpr, nodes.Compare, nodes.And, nodes.Or, nodes.Not),
+    "a test": (nodes.Test,),
+    "a variable of its own": (nodes.Assign, nodes.AssignBlock, nodes.With),
+    "a macro": (nodes.Macro, nodes.CallBlock, nodes.FilterBlock, nodes.Import, nodes.FromImport),
+    "a number or a list of its own": (nodes.Const, nodes.List, nodes.Tuple, nodes.Dict),
+    "indexing": (nodes.Getitem, nodes.Slice),
+    "a control of the loop": (nodes.Break, nodes.Continue),
+}
+FILTERS = {"num", "rad"}
+PLACES = sorted(TEMPLATES.rglob("*.j2"))
+
+
+def faults(source: str) -> list[str]:
+    """Return what a template does beyond printing, by line."""
+    tree = environment().parse(source)
+    found = [
+        (node.lineno, f"{what}: {type(node).__name__}")
+        for what, kinds in FORBIDDEN.items()
+        for node in tree.find_all(kinds)
+        if not _is_name_of_a_part(node, tree)
+    ]
+    found += [(each.lineno, f"filter: {each.name}") for each in tree.find_all(nodes.Filter) if each.name not in FILTERS]
+    found += [(each.lineno, "call") for each in tree.find_all(nodes.Call) if not _is_recursion(each)]
+    found += [(each.lineno, "filtered loop") for each in tree.find_all(nodes.For) if each.test or each.else_]
+    return [f"line {line}: {what}" for line, what in sorted(found)]
+
+
+def _is_recursion(call: nodes.Call) -> bool:
+    """`{{ loop(body.children) }}` is how a template walks down a tree."""
+    return isinstance(call.node, nodes.Name) and call.node.name == "loop"
+
+
+def _is_name_of_a_part(node: nodes.Node, tree: nodes.Template) -> bool:
+    """The tuple in `for name, value in pairs` and the text in `include "limb.xml.j2"` decide nothing."""
+    targets = [loop.target for loop in tree.find_all(nodes.For)]
+    parts = [include.template for include in tree.find_all(nodes.Include)]
+    return any(node is each for each in (*targets, *parts))
+
+
+@pytest.mark.parametrize("place", PLACES, ids=lambda place: place.name)
+def test_a_template_only_prints(place):
+    assert faults(place.read_text(encoding="utf-8")) == []
+
+
+def test_the_templates_are_read_at_all():
+    """So the test above is not empty: they are there, and what they print is seen."""
+    assert {place.name for place in PLACES} >= {"infant.xml.j2", "scene.xml.j2", "README.md.j2"}
+    infant = environment().parse((TEMPLATES / "infant.xml.j2").read_text(encoding="utf-8"))
+    assert len(list(infant.find_all(nodes.Filter))) > 20
+    assert len(list(infant.find_all(nodes.For))) > 5
+
+
+@pytest.mark.parametrize(
+    ("source", "fault"),
+    [
+        ("{{ a + 1 }}", "arithmetic: Add"),
+        ("{{ a * b }}", "arithmetic: Mul"),
+        ("{{ a ** b }}", "arithmetic: Pow"),
+        ("{{ -a }}", "arithmetic: Neg"),
+        ("{{ a ~ b }}", "arithmetic: Concat"),
+        ("{% if a %}x{% endif %}", "a decision: If"),
+        ("{{ a if b }}", "a decision: CondExpr"),
+        ("{{ a < b }}", "a decision: Compare"),
+        ("{{ a or b }}", "a decision: Or"),
+        ("{{ not a }}", "a decision: Not"),
+        ("{{ a is defined }}", "a test: Test"),
+        ("{% set a = b %}", "a variable of its own: Assign"),
+        ("{% with a = b %}{{ a }}{% endwith %}", "a variable of its own: With"),
+        ("{% macro a() %}{% endmacro %}", "a macro: Macro"),
+        ("{% from 'a' import b %}", "a macro: FromImport"),
+        ("{{ 'red' }}", "a number or a list of its own: Const"),
+        ("{% for a in [b] %}{% endfor %}", "a number or a list of its own: List"),
+        ("{{ a[b] }}", "indexing: Getitem"),
+        ("{{ a | round }}", "filter: round"),
+        ("{{ a | default(b) }}", "filter: default"),
+        ("{{ a | num | upper }}", "filter: upper"),
+        ("{{ a.upper() }}", "call"),
+        ("{{ range(a) }}", "call"),
+        ("{% for a in b if a %}{% endfor %}", "filtered loop"),
+        ("{% for a in b %}{% else %}x{% endfor %}", "filtered loop"),
+    ],
+)
+def test_a_template_that_does_more_is_found(source, fault):
+    assert f"line 1: {fault}" in faults(source)
+
+
+def test_printing_is_free():
+    source = "{% for a, b in c.d recursive %}{% include 'e' %}{{ a.b | num }} {{ b }}{{ loop(c.d) }}{% endfor %}"
+    assert faults(source) == []
+
+
+def test_every_element_has_a_line_of_its_own():
+    """So MuJoCo's 'line 12' means one element."""
+    spec = InfantSpec(mimoc=1, name="infant", age_months=9)
+    rendered = render_scene(builder(spec).infant)
+    for name in ("infant.xml", "scene.xml"):
+        lines = rendered[name].decode().splitlines()
+        assert len(lines) > 20
+        crowded = [line for line in lines if line.strip() and not re.fullmatch(r"\s*<[^<>]+>", line)]
+        assert crowded == [], name

@@ -1,4 +1,4 @@
-"""What drives an infant says where its numbers come from, and they are those in the model."""
+"""What drives an infant, and its task, say where their numbers come from, and they are those in the model."""
 
 import re
 from graphlib import TopologicalSorter
@@ -8,8 +8,9 @@ import pytest
 from lxml import etree
 from support import store
 
-from mimoc.compiler.explain import entries_of
-from mimoc.schema.components.actuation import ACTUATIONS
+import mimoc
+from mimoc.compiler.explain import entries_of, explain
+from mimoc.schema.kinds import ACTUATIONS, TASKS
 
 STRENGTH = {"strength": {"arms": 2, "left_arm": 3}, "strength_age_months": 18}
 PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")
@@ -112,3 +113,17 @@ def test_a_muscle_that_matures_leads_back_to_the_gear():
     flexor = entries["actuator.act:left_elbow_negative.gainprm"]
     assert flexor["value"][2] == pytest.approx(1.02 * entries["actuator.act:left_elbow.gear"]["value"])
     assert "actuator.act:left_elbow.gear" in flexor["from"]
+
+
+KINDS = [kind for kind in TASKS if kind != "free"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_number_of_a_task_can_be_explained(kind):
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "task": {"kind": kind}}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    numbers = {name: value for name, value in bundle.manifest.task.model_dump().items() if isinstance(value, float)}
+    for name, value in numbers.items():
+        explained = explain(bundle, f"task.{kind}.{name}")
+        assert str(explained)
+        assert entries_of(bundle)[f"task.{kind}.{name}"]["value"] == value

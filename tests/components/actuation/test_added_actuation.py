@@ -8,7 +8,7 @@ from gymnasium.utils.env_checker import check_env
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.compiler.actuation.setup import ActuationSetup, Origin
+from mimoc.compiler.actuation import ActuationSetup, Origin
 from mimoc.compiler.explain import explain
 from mimoc.compiler.mjcf.elements import Actuator
 from mimoc.runtime.actuation import Actuation, command_range, effort_of, find_actuators, limits_of_motors

@@ -11,7 +11,7 @@ import pytest
 import mimoc
 from mimoc.base.errors import KindError, MimocError
 from mimoc.runtime.companion import Companions
-from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.noise import NoiseStreams
 from mimoc.runtime.sense import Vector
 from mimoc.runtime.sound import Sound, step_of
 

@@ -1,6 +1,6 @@
 """Whatever objects a spec asks for: nothing starts inside of anything, all come to rest, and MuJoCo warns of nothing.
 
-Scenes are drawn from the JSON Schema, of all kinds of objects but furniture (`test_furniture_laws.py`).
+Scenes are drawn from the JSON Schema, of all kinds of objects but furniture (`test_furniture.py`).
 """
 
 from collections.abc import Iterator

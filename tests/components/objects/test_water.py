@@ -15,7 +15,7 @@ from support.furnished import spec_with
 import mimoc
 from mimoc.base.errors import MimocError, SpecError
 from mimoc.bundle.model import load_model
-from mimoc.components.objects.water.run import Water
+from mimoc.components.objects.furniture.water import Water
 from mimoc.runtime.opening.parallel import shared_world
 
 FAR = {"x_cm": 150, "y_cm": 0}

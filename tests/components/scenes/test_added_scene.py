@@ -5,14 +5,14 @@ import json
 import mujoco
 import pytest
 from pydantic import Field
-from support.registered import registered
+from support.registering import registered
 
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.explain import entries_of, explain
 from mimoc.compiler.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
 from mimoc.compiler.mjcf.world import Ground, World
-from mimoc.compiler.scenes.built_scene import SUN, BuiltScene
+from mimoc.compiler.scenes import SUN, BuiltScene
 from mimoc.schema.base import Model
 from mimoc.schema.kinds import SceneKind
 

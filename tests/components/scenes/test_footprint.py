@@ -11,8 +11,7 @@ from mimoc.compiler import building, model_check
 from mimoc.compiler.building import Builder
 from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.compiler.placing import place_pose
-from mimoc.compiler.scenes.built_scene import Placement
-from mimoc.compiler.scenes.footprint import footprint, reach_of, reachable_floor
+from mimoc.compiler.scenes import Placement, footprint, reach_of, reachable_floor
 
 
 def grown(age_months: float, **body) -> Builder:

@@ -12,10 +12,9 @@ from mimoc.compiler import building
 from mimoc.compiler.looks.wallpaper import Wallpapers
 from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.compiler.placing import place_discs, place_pose
-from mimoc.compiler.scenes.built_scene import BuiltScene, Occupant, Placement
-from mimoc.compiler.scenes.footprint import footprint
+from mimoc.compiler.scenes import BuiltScene, Occupant, Placement, footprint
 from mimoc.components.scenes.room.build import CLEARANCE_M
-from mimoc.schema.components.scenes import SCENES
+from mimoc.schema.kinds import SCENES
 from mimoc.schema.scene import SceneSpec
 
 

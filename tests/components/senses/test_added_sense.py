@@ -16,7 +16,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import entries_of, explain
 from mimoc.compiler.mjcf.elements import Sensor, Site
 from mimoc.compiler.mjcf.scene import Placed
-from mimoc.runtime.noise.noise import Noise
+from mimoc.runtime.noise import Noise
 from mimoc.runtime.sense import Sample, Vector
 from mimoc.schema.base import Model
 from mimoc.schema.kinds import AgeTable, NoiseOption, SenseKind

@@ -10,10 +10,13 @@ from support.worlds import ANNA, BEN, world
 
 import mimoc
 from mimoc.base.errors import KindError
-from mimoc.runtime.custom_sense import TermSense
+from mimoc.base.kinds import function_of
+from mimoc.runtime.contract import check_observation, check_sense
 from mimoc.runtime.sense import Vector
-from mimoc.runtime.sense_contract import check_observation, check_sense
+from mimoc.runtime.senses import TermSense, bind_senses
 from mimoc.runtime.term import Term
+from mimoc.schema.kinds import SENSES
+from mimoc.schema.senses import SensesEntry, SensesSpec
 
 UNIT = Box(0.0, 1.0, (3,), np.float32)
 PLAIN = mimoc.InfantSpec(mimoc=1, name="a", age_months=9, senses={"vestibular": {}})
@@ -161,3 +164,32 @@ def test_the_class_of_a_term_is_told(opened):
     data = mimoc.make(opened).unwrapped.data
     with pytest.raises(KindError, match=r"sense 'first' \(.*test_contract:First\): its sample is an array of float64"):
         check_sense("first", sense, sense(data))
+
+
+def test_every_sense_is_a_section_of_the_spec_and_of_the_manifest_and_can_be_built_and_bound():
+    assert list(SENSES) == list(SensesSpec.model_fields) == list(SensesEntry.model_fields)
+    for kind in SENSES.values():
+        assert callable(function_of(kind.build, "build"))
+        assert callable(function_of(kind.run, "bind"))
+
+
+def test_every_sense_returns_what_it_declares(env):
+    """The same whenever it is sampled, a new array each time, and observed within the spaces that it declares."""
+    for name, sense in bind_senses(env.bundle, env.model).items():
+        sample, again = sense(env.data), sense(env.data)
+        assert (sample == again).all()
+        observed = sense.observe(sample)
+        assert observed.keys() == sense.spaces.keys()
+        for key, space in sense.spaces.items():
+            assert observed[key] in space
+            assert np.isfinite(space.low).all()
+            assert np.isfinite(space.high).all()
+            assert (space.low < space.high).all()
+            assert not np.shares_memory(observed[key], sample)
+        sample[:] = 0
+        assert (sense(env.data) == again).all(), name
+        assert sense.bodies is not None
+        assert len(sense.bodies) == len(sample)
+        assert sense.bodies.min() > 0
+        assert sense.bodies.max() < env.model.nbody
+        sense.close()

@@ -19,7 +19,7 @@ from mimoc.runtime.term import Term
 from mimoc.schema.infant import read_spec
 from mimoc.schema.kinds import TaskKind
 from mimoc.schema.source import parse
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
 
 
 class LiftSpec(TaskSpec):

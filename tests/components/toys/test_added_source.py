@@ -3,12 +3,12 @@
 import pytest
 import trimesh
 from pydantic import Field
-from support.registered import registered
+from support.registering import registered
 
 import mimoc
 from mimoc.base.errors import SpecError, UnknownToysError, suggestion
 from mimoc.compiler.explain import explain
-from mimoc.compiler.toys.choosing import Toybox
+from mimoc.compiler.toys.placing import Toybox
 from mimoc.compiler.toys.shape import Mesh, Solid, assemble
 from mimoc.schema.base import Model
 from mimoc.schema.kinds import ToySource

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mimoc.movement.retargeting.banded import NormalEquations
+from mimoc.movement.retargeting.fitting import NormalEquations
 
 FRAMES, UNKNOWNS, SHARED = 7, 3, 2
 

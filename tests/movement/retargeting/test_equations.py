@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from support.retargeting import problem_and_state
 
-from mimoc.movement.retargeting.contacts import Contacts
 from mimoc.movement.retargeting.fitting import Problem, State
 from mimoc.movement.retargeting.prior import Usual, chain, times_chain
 from mimoc.movement.retargeting.sizes import at_sizes
+from mimoc.movement.retargeting.start import Contacts
 
 STEP = 1e-6
 NO_CONTACTS = Contacts(0, np.zeros(0), (), (), ())

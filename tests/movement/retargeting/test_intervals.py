@@ -8,15 +8,14 @@ from support.retargeting import known_motions, problem_and_state, setting
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.movement.retargeting.accounting import NOT_SEEN
-from mimoc.movement.retargeting.banded import NormalEquations
-from mimoc.movement.retargeting.one_camera import factors, turns
+from mimoc.movement.retargeting.fitting import NormalEquations
 from mimoc.movement.retargeting.postures import spread_of_alike
 from mimoc.movement.retargeting.prior import Usual, chain, usual_of
 from mimoc.movement.retargeting.result import QUANTILE, Interval
 from mimoc.movement.retargeting.setting import CALIBRATED, Noise, problem_of
 from mimoc.movement.retargeting.sizes import OVERALL_SD
 from mimoc.movement.retargeting.skeleton import ROOT
+from mimoc.movement.retargeting.uncertainty import NOT_SEEN, factors, turns
 
 import moving_children  # isort: skip  # `support.retargeting` puts benchmarks on the path.
 

@@ -5,7 +5,7 @@ import pytest
 from support.retargeting import known, known_motions
 
 from mimoc.motion.body_points import locate
-from mimoc.motion.points import MINI_RGBD_POINTS
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.motion.read_mini_rgbd import JOINTS, POINTS
 
 import mini_rgbd  # isort: skip  # `support.retargeting` puts benchmarks on the path.

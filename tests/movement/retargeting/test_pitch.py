@@ -9,9 +9,9 @@ from support.retargeting import FRAMES, RATE_HZ, child, known_motions, slanted
 import mimoc
 from mimoc.base.errors import RecordingError, UnknownNameError
 from mimoc.motion.body_points import film, locate
-from mimoc.motion.points import MINI_RGBD_POINTS
-from mimoc.movement.retargeting.pitch import STRAIGHT, pitch_of
+from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.movement.retargeting.sizes import lengths_of
+from mimoc.movement.retargeting.start import STRAIGHT, pitch_of
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,9 @@
 import pytest
 
 from mimoc.base.errors import PolicyError, UnknownNameError
-from mimoc.policies.behaviours.arguments import Option, place_of, read_arguments
+from mimoc.policies.behaviours.behaviour import Option, place_of, read_arguments
 from mimoc.policies.spec import parse_policy
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 OPTIONS = {"speed_m_s": Option(0.4, 0.05, 1.5)}
 

@@ -11,8 +11,7 @@ from mimoc.base.errors import PolicyError, UnknownNameError
 from mimoc.policies.behaviours.behaviour import Behaviour
 from mimoc.policies.named import policy_of
 from mimoc.policies.rollout import Run
-from mimoc.schema.components.policies import POLICIES
-from mimoc.schema.kinds import PolicyKind
+from mimoc.schema.kinds import POLICIES, PolicyKind
 
 TEXTS = {"look_at": "look_at(0.5, 0.2, 0.3)", "reach_for": "reach_for(0.15, -0.1, 0.25, right)"}
 BEHAVIOURS = [TEXTS.get(name, name) for name in POLICIES if POLICIES[name].is_behaviour]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 import mimoc
-from mimoc.compiler.delays.presets import LEAST_MS, SACCADE_MS
 from mimoc.compiler.explain import entries_of
-from mimoc.policies.reaction import Reaction, reaction_of
+from mimoc.compiler.presets import LEAST_MS, SACCADE_MS
+from mimoc.policies.behaviours.behaviour import Reaction, reaction_of
 from mimoc.policies.rollout import Run
 
 

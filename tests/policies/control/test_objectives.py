@@ -4,7 +4,7 @@ from scipy.spatial.transform import Rotation
 
 from mimoc.base.errors import ControlError
 from mimoc.policies.control import Gains, GazeTask, OrientationTask, PositionTask
-from mimoc.policies.control.frames import Motion
+from mimoc.policies.control.dynamics import Motion
 
 ALONG_Y = Rotation.from_euler("z", 90, degrees=True)
 SPRING = Gains(1.0)

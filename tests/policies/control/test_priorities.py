@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.policies.control.priorities import LinearDemand, product, solve_prioritized
+from mimoc.policies.control.dynamics import LinearDemand, product, solve_prioritized
 
 COUNT = 12
 seeds = st.integers(0, 10_000)

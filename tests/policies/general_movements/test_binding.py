@@ -8,13 +8,12 @@ import pytest
 from support.store import built
 
 from mimoc.base.quantities.movement import CORE
-from mimoc.movement.filming import Filmed
+from mimoc.movement.filming import Filmed, film_policy
 from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
 from mimoc.movement.sample import distance, standard_scores
-from mimoc.movement.simulated import film_policy
-from mimoc.policies.batch import Batch
-from mimoc.policies.general_movements.binding import bind, bind_many
+from mimoc.policies.general_movements.generator import bind, bind_many
+from mimoc.policies.policy import Batch
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.schema.infant import InfantSpec
 

@@ -12,8 +12,7 @@ from support.store import built
 
 from mimoc.bundle.model import load_model
 from mimoc.policies.general_movements.generator import GeneralMovements, draw
-from mimoc.policies.general_movements.joints import Joints, joints_of
-from mimoc.policies.general_movements.law import AGES_MONTHS, COLUMNS, Law, law_at
+from mimoc.policies.general_movements.law import AGES_MONTHS, COLUMNS, Joints, Law, joints_of, law_at
 from mimoc.runtime.actuation import bind_actuation
 
 STEP_S = 0.01

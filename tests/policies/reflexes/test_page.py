@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.policies.reflexes.table import REFLEXES
+from mimoc.policies.reflexes.binding import REFLEXES
 
 PAGE = Path(__file__).parents[3] / "docs" / "reflexes.md"
 

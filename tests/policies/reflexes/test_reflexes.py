@@ -7,13 +7,12 @@ from support.examiner import SENSES
 
 import mimoc
 from mimoc.base.errors import PolicyError
-from mimoc.policies.batch import Batch, batch_of_one
 from mimoc.policies.named import policy_of
+from mimoc.policies.policy import Batch, batch_of_one
 from mimoc.policies.reflexes import grasping, neck
-from mimoc.policies.reflexes.binding import Reflexes, bind_many
+from mimoc.policies.reflexes.binding import REFLEXES, Reflexes, bind_many
 from mimoc.policies.reflexes.reflex import AgeWindow
 from mimoc.policies.reflexes.sensing import Sensed
-from mimoc.policies.reflexes.table import REFLEXES
 from mimoc.runtime.array_library import NUMPY, torch_library
 
 AGES = some.floats(0, 24)

@@ -9,9 +9,8 @@ import pytest
 from support import store
 from support.examiner import SENSES, Examiner
 
-from mimoc.policies.batch import batch_of_one
-from mimoc.policies.reflexes.binding import Reflexes, ReflexPolicy
-from mimoc.policies.reflexes.table import REFLEXES
+from mimoc.policies.policy import batch_of_one
+from mimoc.policies.reflexes.binding import REFLEXES, Reflexes, ReflexPolicy
 
 Trace = dict[str, np.ndarray]
 MOST_RAD = 0.9

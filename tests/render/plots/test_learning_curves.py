@@ -6,7 +6,7 @@ import pytest
 from mimoc.base.errors import MissingExtraError
 from mimoc.base.quantities.outcome import LEARNING
 from mimoc.render.plots.file import draw, encode
-from mimoc.render.plots.learning import learning_sheet
+from mimoc.render.plots.plot import learning_sheet
 
 
 def curve(rows, offset=0.0):

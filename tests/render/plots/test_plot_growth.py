@@ -9,7 +9,7 @@ from mimoc.base.errors import MissingExtraError, OutputError
 from mimoc.base.quantities.child import INDICATORS
 from mimoc.render.plots import file
 from mimoc.render.plots.file import draw, write_sheet
-from mimoc.studies.growth.plot import growth_sheet, measurements_sheet
+from mimoc.studies.growth_plots import growth_sheet, measurements_sheet
 
 SIZE_PX = (1600, 1180)
 SERIES = {
@@ -158,7 +158,7 @@ def test_every_measurement_has_a_small_plot_and_no_other_axes_are_drawn():
 
 
 def test_pyplot_and_its_global_state_are_left_alone(tmp_path):
-    imports = "from mimoc.render.plots import file; from mimoc.studies.growth import plot as growth"
+    imports = "from mimoc.render.plots import file; from mimoc.studies import growth_plots as growth"
     code = f"import sys; {imports}; file.write_sheet(growth.growth_sheet({{}}), sys.argv[1]); print(*sys.modules)"
     modules = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "growth.png")], capture_output=True, text=True, check=True

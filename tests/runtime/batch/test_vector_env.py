@@ -183,16 +183,6 @@ def test_whoever_resets_by_hand_is_told_when(bundle):
     env.close()
 
 
-def test_a_state_goes_on_as_it_did(three):
-    three.reset(seed=0)
-    actions = [three.action_space.sample() for _ in range(4)]
-    three.step(actions[0])
-    state = three.get_state()
-    first = [three.step(each) for each in actions[1:]]
-    three.set_state(state)
-    assert_same([three.step(each) for each in actions[1:]], first)
-
-
 def test_observations_are_new_arrays(three):
     first, _ = three.reset(seed=0)
     kept = {name: readings.copy() for name, readings in first.items()}

@@ -1,7 +1,5 @@
 """A batch of worlds: row i is, to the bit, its infant in its world alone, and a world begins and ends as a whole."""
 
-import copy
-
 import numpy as np
 import pytest
 from support.worlds import ANNA, BEN
@@ -57,21 +55,6 @@ def test_episodes_of_a_world_end_together(mode):
         assert ("final_obs" in infos) == (mode == "SameStep" and truncated.any())
     pauses = [] if mode == "SameStep" else [[False, False]]
     assert ends == [[False, False], [True, True], *pauses, [False, False], [True, True]][:4]
-
-
-def test_copies_and_states_go_on_alike():
-    envs = mimoc.make_vec(PAIR, num_envs=4)
-    envs.reset(seed=0)
-    actions = 0.3 * envs.action_space.sample()
-    envs.step(actions)
-    state, twin = envs.get_state(), copy.deepcopy(envs)
-    assert len(state) == 2
-    ours, theirs = envs.step(actions), twin.step(actions)
-    envs.set_state(state)
-    again = envs.step(actions)
-    for name in ours[0]:
-        assert np.array_equal(ours[0][name], theirs[0][name])
-        assert np.array_equal(ours[0][name], again[0][name])
 
 
 def test_options_are_of_rows_and_scenes_of_worlds():

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import mimoc
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
 from mimoc.body.tree import remove_parts
-from mimoc.compiler.delays.presets import MOTOR_DELAY, PRESETS, delays
+from mimoc.compiler.explain import entries_of
+from mimoc.compiler.presets import MOTOR_DELAY, PRESETS, RULES, delays
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
-from mimoc.schema.components.senses import SENSES
-from mimoc.schema.delays import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
+from mimoc.schema.kinds import SENSES
+from mimoc.schema.senses import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 
 TABLES = {name: SENSES[name].physiological_delay for name in SENSES} | {MOTOR: MOTOR_DELAY}
 TREE = grow_tree(measure(9), assemble("mitten", False))
@@ -91,3 +93,28 @@ def test_presets_are_whole_steps_and_within_half_a_step_of_what_they_say(age_mon
 
 def test_an_infant_without_a_leg_has_one_leg():
     assert entry(tree=remove_parts(TREE, ("left_upper_leg",))).legs == ("right_upper_leg",)
+
+
+def provenance(**keys) -> dict:
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **keys})
+    return entries_of(mimoc.build(spec))
+
+
+def test_every_preset_has_a_rule():
+    assert RULES.keys() == PRESETS.keys()
+
+
+def test_a_delay_is_led_back_to_the_key_that_says_so():
+    delays = {"preset": "physiological", "sensory_ms": 50, "vision_ms": 100}
+    found = provenance(senses={"touch": {}, "vision": {}}, delays=delays)
+    assert (found["delays.vision.ms"]["value"], found["delays.vision.ms"]["from"]) == (100, ["spec.delays.vision_ms"])
+    assert (found["delays.touch.ms"]["value"], found["delays.touch.ms"]["from"]) == (50, ["spec.delays.sensory_ms"])
+    assert found["delays.motor.ms"]["from"][0] == "spec.delays.preset"
+    assert (found["delays.motor.ms"]["value"], found["delays.motor.legs_ms"]["value"]) == (20, 30)
+
+
+def test_every_source_is_an_entry_itself():
+    found = provenance(senses={"touch": {}, "vision": {}}, delays={"preset": "paper"})
+    mine = [key for key in found if key.split(".")[0] in ("vision", "delays", "skin")]
+    assert len(mine) > 20
+    assert all(source in found for key in mine for source in found[key]["from"])

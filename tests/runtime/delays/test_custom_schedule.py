@@ -1,14 +1,17 @@
 """A schedule of control steps takes any senses and any actuation, without a bundle."""
 
+from itertools import pairwise
+
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 from support.slider import MODEL, MOTORS
 
-from mimoc.runtime.delays.schedule import Schedule
-from mimoc.runtime.delays.timing import Timing
+from mimoc.runtime.delays.schedule import Schedule, Segment, merge_segments
+from mimoc.runtime.delays.signals import Timing
 from mimoc.runtime.sense import Vector
-from mimoc.schema.delays import DelayEntry
+from mimoc.schema.senses import DelayEntry
 
 
 class Clock(Vector):
@@ -68,3 +71,28 @@ def test_commands_to_the_leg_arrive_when_they_are_due():
 def test_a_delay_between_physics_steps_is_refused():
     with pytest.raises(ValueError, match=r"1\.5 ms is 1\.50 steps of 1 ms; the nearest that works is 2 ms"):
         clocked({"clock": DelayEntry(ms=1.5)})
+
+
+CUTS = st.lists(st.integers(1, 9), unique=True).map(sorted)
+
+
+def segments(cuts: list[int]) -> list[Segment]:
+    """Return the segments of a control step of ten physics steps that is cut at some of them."""
+    return [Segment((), end - start, ()) for start, end in pairwise([0, *cuts, 10])]
+
+
+@given(st.dictionaries(st.sampled_from(["anna", "ben", "kim"]), CUTS, min_size=1))
+def test_every_segment_begins_and_ends_once_at_its_time(infants):
+    of_infants = {name: segments(cuts) for name, cuts in infants.items()}
+    time, begun, ended = 0, {name: [] for name in infants}, {name: [] for name in infants}
+    for part in merge_segments(of_infants):
+        for name, segment in part.begun:
+            assert time == sum(earlier.physics_steps for earlier in begun[name])
+            begun[name].append(segment)
+        assert part.physics_steps > 0
+        time += part.physics_steps
+        for name, segment in part.ended:
+            ended[name].append(segment)
+            assert time == sum(earlier.physics_steps for earlier in ended[name])
+    assert time == 10
+    assert begun == ended == of_infants

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 
 import mimoc
-from mimoc.schema.delays import DelayEntry, DelaysEntry
+from mimoc.schema.senses import DelayEntry, DelaysEntry
 
 TIMESTEP_MS = 5.0
 SENSES = {

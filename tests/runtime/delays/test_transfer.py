@@ -6,11 +6,10 @@ from hypothesis import assume, given, settings, strategies as st
 from support.slider import MODEL, MOTORS
 
 from mimoc.runtime.delays.schedule import Schedule
-from mimoc.runtime.delays.timing import Timing
-from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.delays.signals import Timing
+from mimoc.runtime.noise import NoiseStreams
 from mimoc.runtime.sense import Vector
-from mimoc.schema.delays import DelayEntry
-from mimoc.schema.noise import NoiseEntry
+from mimoc.schema.senses import DelayEntry, NoiseEntry
 
 
 class Clocks(Vector):

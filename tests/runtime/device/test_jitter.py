@@ -12,7 +12,7 @@ from mimoc.runtime.delays.signals import Delay, DelayedCommands, DelayedSamples
 from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.lines import DelayLine, Delays
 from mimoc.runtime.device.noise import CounterRandom
-from mimoc.runtime.noise.noise import NoiseStreams
+from mimoc.runtime.noise import NoiseStreams
 
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
 

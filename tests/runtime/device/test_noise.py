@@ -11,10 +11,10 @@ from support.devices import DEVICE
 
 import mimoc
 from mimoc.compiler.mjcf.scene import Placed
-from mimoc.runtime.custom_sense import TermSense
 from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.noise import CounterRandom
-from mimoc.runtime.noise.noise import LowPass, Noise
+from mimoc.runtime.noise import LowPass, Noise
+from mimoc.runtime.senses import TermSense
 from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
 from mimoc.schema.kinds import NoiseOption, SenseKind

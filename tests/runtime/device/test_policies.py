@@ -8,7 +8,7 @@ from support.devices import DEVICE
 
 import mimoc
 from mimoc.base.errors import PolicyError
-from mimoc.schema.components.policies import POLICIES
+from mimoc.schema.kinds import POLICIES
 
 AGES_MONTHS = (1.0, 9.0)
 STEPS = 4

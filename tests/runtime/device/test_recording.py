@@ -6,7 +6,7 @@ from support.devices import CLOSE, DEVICE
 
 import mimoc
 from mimoc.base.errors import RecordingError
-from mimoc.recording.movement_columns.reader import MovementReader
+from mimoc.recording.movement_columns import MovementReader
 
 SPEC = {"mimoc": 1, "name": "reaching", "age_months": 18, "senses": {"proprioception": {}}, "task": {"kind": "reach"}}
 GROUPS = ("keypoints", "parts", "joints")

@@ -18,7 +18,7 @@ from mimoc.runtime.model_fields import ModelField
 from mimoc.runtime.task import Change, Judgement, SquaredCommands, Task
 from mimoc.runtime.term import Term
 from mimoc.schema.kinds import TaskKind
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
 
 STEPS = 6
 SENSES: dict[str, Any] = {

@@ -8,7 +8,7 @@ from support.devices import DEVICE
 import mimoc
 from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.device import Filters, NoVision, flat_picture
-from mimoc.components.senses.vision.flicker import Persistence
+from mimoc.components.senses.vision.filters import Persistence
 from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError

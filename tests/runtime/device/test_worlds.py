@@ -15,7 +15,7 @@ from support.devices import CLOSE, DEVICE, WARP_DEVICE, assert_close
 
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.components.actuation.torque.run import bind
+from mimoc.components.actuation.run import bind_torque as bind
 from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.bodies import WorldsError
 from mimoc.runtime.device.signals import DeviceError
@@ -266,7 +266,7 @@ def bind_halved(entry, model):
 
 
 HALVED = ActuationKind(
-    "halved", "Half of what is commanded.", build="mimoc.components.actuation.torque.build", run=bind_halved
+    "halved", "Half of what is commanded.", build="mimoc.components.actuation.torque", run=bind_halved
 )
 
 

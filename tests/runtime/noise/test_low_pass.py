@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from mimoc.runtime.array_library import NUMPY
-from mimoc.runtime.noise.noise import BandLimited, Draw, LowPass, MotorNoise, Smooth
+from mimoc.runtime.noise import BandLimited, Draw, LowPass, MotorNoise, NoiseStreams, Smooth
 
 COUNT = 40_000
 TOLERANCE = 5 / math.sqrt(COUNT)
@@ -88,3 +88,34 @@ def test_commands_beyond_their_range_do_not_arrive_sooner():
     (first, _), (second, _) = follow(draw, np.ones((1, 1)), state), follow(draw, 5 * np.ones((1, 1)), state)
     assert first == second
     assert 0 < first.item() < 0.1
+
+
+channels = st.sampled_from(["motor", "touch", "jitter.touch", "jitter.motor", "proprioception"])
+
+
+@given(st.integers(-1, 2**128 - 1), st.lists(channels, max_size=10), channels)
+def test_what_other_channels_draw_changes_nothing(seed, others, channel):
+    alone, among = NoiseStreams(seed), NoiseStreams(seed)
+    for other in others:
+        if other != channel:
+            among[other].random(3)
+    assert alone[channel].random(5).tolist() == among[channel].random(5).tolist()
+
+
+@given(st.integers(0, 99), st.lists(channels, max_size=5), st.lists(channels, min_size=1, max_size=5))
+def test_streams_go_on_from_a_state_whatever_was_drawn_in_between(seed, before, after):
+    streams = NoiseStreams(seed)
+    for channel in before:
+        streams[channel].random()
+    state = streams.state
+    drawn = [streams[channel].random() for channel in after]
+    other = NoiseStreams(seed + 1)
+    other["motor"].random()
+    for each in (streams, other):
+        each.state = state
+        assert [each[channel].random() for channel in after] == drawn
+
+
+def test_seeds_and_channels_differ():
+    one, other = NoiseStreams(1), NoiseStreams(2)
+    assert len({one["touch"].random(), one["motor"].random(), other["touch"].random()}) == 3

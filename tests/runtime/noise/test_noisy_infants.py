@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import mimoc
-from mimoc.components.senses.proprioception.noise import ProprioceptionNoise
-from mimoc.components.senses.touch.noise import TouchNoise
+from mimoc.components.senses.proprioception.run import ProprioceptionNoise
+from mimoc.components.senses.touch.run import TouchNoise
 from mimoc.runtime.array_library import NUMPY
-from mimoc.runtime.noise.noise import (
+from mimoc.runtime.noise import (
     Draw,
     LowPass,
     MotorNoise,
@@ -24,7 +24,7 @@ from mimoc.runtime.noise.noise import (
     bind_motor_noise,
 )
 from mimoc.runtime.term import stack_terms
-from mimoc.schema.noise import NoiseEntry
+from mimoc.schema.senses import NoiseEntry
 
 SENSES = {
     "proprioception": {"include": ["velocity", "torque"]},

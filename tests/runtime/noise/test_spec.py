@@ -7,9 +7,8 @@ from hypothesis import given, strategies as st
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.explain import entries_of
-from mimoc.compiler.noise_presets import motor_share, noise
-from mimoc.schema.delays import DelaysSpec, is_delayed
-from mimoc.schema.noise import NoiseEntry, NoiseSpec, noise_keys
+from mimoc.compiler.presets import motor_share, noise
+from mimoc.schema.senses import DelaysSpec, NoiseEntry, NoiseSpec, is_delayed, noise_keys
 from mimoc.schema.source import parse
 
 BASE = {"mimoc": 1, "name": "x", "age_months": 9}

@@ -1,8 +1,5 @@
 """Several infants in one world: each lives as it does alone, and they touch and see each other."""
 
-import copy
-import pickle
-
 import mujoco
 import numpy as np
 import pytest
@@ -14,6 +11,9 @@ from support.worlds import ANNA, BEN, placed, world
 import mimoc
 from mimoc.base.errors import KindError, MimocError, UnknownNameError
 from mimoc.bundle.world import WorldBundle
+from mimoc.policies.many import policy_vec
+from mimoc.policies.policy_file import interface_of
+from mimoc.policies.rollout import Run, rollout
 from mimoc.runtime.opening.environments import open_infant
 from mimoc.runtime.world_env import WorldEnv
 
@@ -148,22 +148,6 @@ def test_an_infant_sees_the_other():
         seen[x_cm] = observations["anna"]["eye_left"].astype(float)
         shared.close()
     assert np.abs(seen[60] - seen[-60]).mean() > 10.0
-
-
-def test_a_state_is_restored_and_copies_go_on_alike(env):
-    env.reset(seed=1)
-    for step in range(3):
-        env.step(sampled(env, step))
-    state, twin, pickled = env.get_state(), copy.deepcopy(env), pickle.loads(pickle.dumps(env))
-    actions = sampled(env, 9)
-    observed, rewards, *_ = env.step(actions)
-    env.step(actions)
-    env.set_state(state)
-    for other in (env, twin, pickled):
-        again, earned, *_ = other.step(actions)
-        assert earned == rewards
-        for name in observed:
-            assert_alike(observed[name], again[name])
 
 
 def test_pettingzoo_gets_the_physics_of_the_whole_world_as_its_state(env):
@@ -308,3 +292,53 @@ def test_a_picture_shows_all(pair):
     assert picture.shape == (48, 64, 3)
     assert picture.std() > 5
     shared.close()
+
+
+def test_a_policy_that_was_trained_alone_fits_an_infant_in_a_world():
+    shared = WorldEnv(world(anna=ANNA, ben=BEN))
+    assert interface_of(shared.infants["anna"]) == interface_of(open_infant(built(ANNA)))
+
+
+def test_a_run_is_summed_up_for_each_infant():
+    run = Run(WorldEnv(world(anna=ANNA, ben=BEN)), "general_movements", seed=1)
+    for _ in range(10):
+        run.step()
+    summaries = run.summaries()
+    assert summaries.keys() == {"anna", "ben"}
+    for summary in summaries.values():
+        assert (summary.steps, summary.episodes, summary.unstable) == (10, 1, False)
+        assert summary.joint_speed_rad_s > 0.05
+    assert summaries["anna"].joint_speed_rad_s != summaries["ben"].joint_speed_rad_s
+
+
+def test_a_policy_that_there_is_not_is_refused():
+    with pytest.raises(UnknownNameError, match="'dance' is not a policy"):
+        Run(WorldEnv(world(anna=ANNA, ben=BEN)), "dance", seed=0)
+
+
+def test_policies_of_all_infants_take_the_form_of_their_environment():
+    """By name in a world, with a policy for one of them; single ones for one infant; rows in a vector environment."""
+    shared, alone = WorldEnv(world(anna=ANNA, ben=BEN)), open_infant(built(ANNA))
+    observations, _ = shared.reset(seed=3)
+    observation, _ = alone.reset(seed=3)
+    act = policy_vec({"anna": "general_movements"}, shared)
+    actions = act({name: np.random.default_rng(5) for name in shared.agents}, observations)
+    single = policy_vec("general_movements", alone)
+    assert (actions["anna"] == single(np.random.default_rng(5), observation)).all()
+    assert (actions["ben"] == shared.infants["ben"].rest).all()
+    act.reset(["ben"])
+    single.reset()
+    with pytest.raises(UnknownNameError, match="'kim' is not a name of an infant"):
+        policy_vec({"kim": "zero"}, shared)
+
+
+def test_a_rollout_yields_the_start_of_each_episode_and_its_steps(open_env):
+    env = open_env(task={"kind": "reach", "steps": 3})
+    steps = list(rollout(env, "random", episodes=2, seed=7))
+    assert [(step.episode, step.number, step.ended) for step in steps] == [
+        *((0, number, number == 3) for number in range(4)),
+        *((1, number, number == 3) for number in range(4)),
+    ]
+    again = list(rollout(env, "random", episodes=1, seed=8))
+    assert [step.reward for step in again] == [step.reward for step in steps[4:]]
+    assert len([*rollout(env, "random", seconds=0.05)]) == len([*rollout(env, "random", steps=5)]) == 7

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.cohorts import Cohort, engines
+from mimoc.schema.source import dump
+from mimoc.studies.cohorts import engines
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.run_jobs import run_jobs
 
 BASE = {"mimoc": 1, "name": "infant", "age_months": 9}

@@ -8,9 +8,9 @@ import pytest
 from mimoc.base.errors import MimocError, SpecError
 from mimoc.base.quantities import measured_in
 from mimoc.base.quantities.milestones import MILESTONE_AGES
-from mimoc.studies.cohorts import read_cohort
+from mimoc.studies.cohorts.cohort import read_cohort
 from mimoc.studies.cohorts.milestones import ALL, WHO, milestone_summary
-from mimoc.studies.milestones import TRIALS
+from mimoc.studies.milestones.trials import TRIALS
 
 EXAMPLE = Path(__file__).parents[3] / "examples/cohort/milestones.yaml"
 

@@ -9,8 +9,8 @@ import pytest
 from pyarrow import parquet
 
 from mimoc.base.errors import MimocError, MissingExtraError
-from mimoc.schema.yaml_document import dump
-from mimoc.studies.cohorts import Cohort
+from mimoc.schema.source import dump
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.run_jobs import run_jobs
 from mimoc.studies.cohorts.store import Store
 

@@ -4,10 +4,12 @@ from itertools import pairwise
 
 import pytest
 
-from mimoc.studies.experiments.resting import rest
+from mimoc.studies.experiments.development import rest
 from mimoc.studies.experiments.strength import GROUPS, strengths
-from mimoc.studies.milestones import Conditions, Outcome, search as milestone_searches
+from mimoc.studies.milestones import search as milestone_searches
+from mimoc.studies.milestones.infant import Conditions
 from mimoc.studies.milestones.search import Case, forget_searches, run_searches, walk
+from mimoc.studies.milestones.trial import Outcome
 
 GRID = (0.0, 2.0, 4.0, 6.0, 8.0)
 CASES = [Case("maturing", name, GRID, Conditions()) for name in ("sit", "stand")]
@@ -75,9 +77,9 @@ def test_finished_searches_outlive_an_interruption(tmp_path, monkeypatch):
 
     monkeypatch.setattr(milestone_searches, "_search", search)
     with pytest.raises(KeyboardInterrupt):
-        run_searches(CASES, tmp_path, 1, lambda: None)
+        run_searches(CASES, tmp_path, 1, lambda place: None)
     counted = []
-    found = run_searches(CASES, tmp_path, 1, lambda: counted.append(1))
+    found = run_searches(CASES, tmp_path, 1, lambda place: counted.append(1))
     assert searched == ["sit", "stand", "stand"]
     assert len(counted) == len(CASES)
     assert found[CASES[0]] == found[CASES[1]]
@@ -89,11 +91,11 @@ def test_a_damaged_search_is_done_again(tmp_path, monkeypatch):
     monkeypatch.setattr(
         milestone_searches, "_search", lambda case, _: walk(GRID, 4.0, lambda age: Outcome(age >= 2, 1.0))
     )
-    first = run_searches([CASES[0]], tmp_path, 1, lambda: None)
+    first = run_searches([CASES[0]], tmp_path, 1, lambda place: None)
     (file,) = tmp_path.rglob("*.json")
     for content in ("{", '{"youngest_months": "two", "tried": []}', '{"youngest_months": 1e999, "tried": []}'):
         file.write_text(content)
-        assert run_searches([CASES[0]], tmp_path, 1, lambda: None) == first
+        assert run_searches([CASES[0]], tmp_path, 1, lambda place: None) == first
 
 
 def test_searches_under_other_conditions_are_kept_apart(tmp_path, monkeypatch):
@@ -103,6 +105,6 @@ def test_searches_under_other_conditions_are_kept_apart(tmp_path, monkeypatch):
         "_search",
         lambda case, _: walk(GRID, 4.0, lambda age: Outcome(age >= (6 if case.near_months else 2), 1.0)),
     )
-    run_searches([CASES[0]], tmp_path, 1, lambda: None)
-    found = run_searches([CASES[0], slower], tmp_path, 1, lambda: None)
+    run_searches([CASES[0]], tmp_path, 1, lambda place: None)
+    found = run_searches([CASES[0], slower], tmp_path, 1, lambda place: None)
     assert [found[case].youngest_months for case in (CASES[0], slower)] == [2.0, 6.0]

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -13,10 +14,10 @@ from support.full import full_but
 import mimoc
 from mimoc.base.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.bundle.model import load_model
-from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS, run_experiment
+from mimoc.studies.experiment import Experiment, figures_of, find_experiment, run_experiment
+from mimoc.studies.experiments import EXPERIMENTS
 from mimoc.studies.experiments.delays import reaching
 from mimoc.studies.experiments.inverse import sitting
-from mimoc.studies.experiments.notebook import figures_of
 from mimoc.studies.experiments.strength import lying
 
 TRAIN = "mimoc.studies.experiments.learner.train"
@@ -39,14 +40,14 @@ SMALL = {
         "REACH_S": 0.3,
     },
     "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
-    "rooms": {"QUICK_SEEDS": range(2), "PICTURE_PX": (64, 48)},
+    "rooms": {"seeds": range(2), "PICTURE_PX": (64, 48)},
     "development": {
         "QUICK_NAMES": ("no_head_lag",),
         "QUICK_AGES": (0, 18),
         "QUICK_MONTHS": (0, 18),
         "QUICK_SITTING_MONTHS": (0,),
         "VARIED_NAMES": ("no_head_lag",),
-        "mimoc.policies.control.holding.driven.BISECTIONS": 6,
+        "mimoc.policies.control.holding.postures.BISECTIONS": 6,
     },
     "growing": {
         TRAIN: partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),
@@ -58,19 +59,19 @@ SMALL = {
         "QUICK_BALLS": 2,
         "QUICK_CHECK_BALLS": 1,
     },
-    "kicking": {"QUICK_SECONDS": 4.0, "QUICK_SEEDS": range(1)},
-    "weights": {"QUICK_SECONDS": 4.0, "QUICK_SEEDS": range(1)},
+    "kicking": {"QUICK_SECONDS": 4.0, "seeds": range(1)},
+    "weights": {"QUICK_SECONDS": 4.0, "seeds": range(1)},
     "contingency": {
-        "QUICK_SEEDS": range(1),
+        "seeds": range(1),
         "QUICK_PHASES_S": {"baseline": 4.0, "interaction": 6.0, "still_face": 4.0, "reunion": 4.0},
     },
     "mobile": {
-        "QUICK_SEEDS": range(1),
+        "seeds": range(1),
         "QUICK_PHASES_S": {"baseline": 4.0, "acquisition": 8.0, "extinction": 4.0},
         "TYING_S": 1.0,
         "BIN_S": 4.0,
     },
-    "stepping": {"QUICK_SECONDS": 3.0, "QUICK_SEEDS": range(1)},
+    "stepping": {"QUICK_SECONDS": 3.0, "seeds": range(1)},
     "localisation": {"QUICK_MONTHS": (4, 18), "QUICK_ANGLES_DEG": (0, 30, 90), "QUICK_TRIALS": 100},
     "regard": {"MONTHS": (0, 4), "QUICK_SECONDS": 0.4, "SIZE_PX": 32, "PICTURED_S": 0.2},
     "looking": {
@@ -83,15 +84,21 @@ SMALL = {
         "THRESHOLD_SHARES": (0.6, 1.6),
     },
 }
-"""What makes an experiment small, by name."""
+"""What makes an experiment small, by name: seeds, constants of its module, and others with their modules."""
 
 
-QUICK = ("growth", "acuity", "inverse", "rooms")
+ALWAYS = ("growth", "acuity", "inverse", "rooms")
 
 
-def make_small(name: str, patch: pytest.MonkeyPatch) -> None:
+LAWS = {name: law for name in EXPERIMENTS if (law := find_experiment(name).development)}
+
+
+def small(name: str, patch: pytest.MonkeyPatch) -> Experiment:
+    experiment = find_experiment(name)
     for constant, value in SMALL[name].items():
-        patch.setattr(constant if "." in constant else f"{EXPERIMENTS[name]}.{constant}", value)
+        if constant != "seeds":
+            patch.setattr(constant if "." in constant else f"{EXPERIMENTS[name]}.{constant}", value)
+    return replace(experiment, quick={name: value for name, value in SMALL[name].items() if name == "seeds"})
 
 
 @pytest.fixture(scope="module")
@@ -100,25 +107,23 @@ def folder_of(tmp_path_factory):
     folders = {}
 
     def give(name: str, law: str | None = None) -> Path:
-        law = None if law == DEVELOPMENTS.get(name) else law
+        law = None if law == LAWS.get(name) else law
         if (name, law) not in folders:
             folders[name, law] = tmp_path_factory.mktemp(name) / "out"
             with pytest.MonkeyPatch.context() as patch:
-                make_small(name, patch)
-                run_experiment(name, folders[name, law], quick=True, development=law)
+                run_experiment(small(name, patch), folders[name, law], quick=True, development=law)
         return folders[name, law]
 
     return give
 
 
-@pytest.fixture(scope="module", params=full_but(QUICK, list(EXPERIMENTS)))
+@pytest.fixture(scope="module", params=full_but(ALWAYS, list(EXPERIMENTS)))
 def made(request, tmp_path_factory, folder_of):
     """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
     name, told = request.param, []
     folder = tmp_path_factory.mktemp(name)
     with pytest.MonkeyPatch.context() as patch:
-        make_small(name, patch)
-        run_experiment(name, folder, quick=True, progress=lambda *done: told.append(done))
+        run_experiment(small(name, patch), folder, quick=True, progress=lambda *done: told.append(done))
     return name, [folder, folder_of(name)], told
 
 
@@ -195,17 +200,17 @@ def test_progress_counts_up_to_the_end(made):
 OTHER = {"published": "maturing", "maturing": "published"}
 
 
-@pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(DEVELOPMENTS)))
+@pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(LAWS)))
 def test_it_works_by_the_other_law_too(name, folder_of):
     """That of the tests above is the one that it has unless another is asked for."""
-    law = OTHER[DEVELOPMENTS[name]]
+    law = OTHER[LAWS[name]]
     page = (folder_of(name, law) / f"{name}.md").read_text()
     assert f"`development: {law}`" in page
     assert f"mimoc experiment {name} -o out --development {law} --quick" in page
     assert ("### The paper's figures beside ours" in page) == (law == "published")
 
 
-@pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(DEVELOPMENTS)))
+@pytest.mark.parametrize("name", full_but(("growth", "inverse", "rooms"), list(LAWS)))
 def test_the_papers_figures_stand_beside_ours_with_how_they_are_known(name, folder_of):
     page = (folder_of(name, "published") / f"{name}.md").read_text()
     rows = page.partition("### The paper's figures beside ours")[2].partition("\n\nS: ")[0].splitlines()

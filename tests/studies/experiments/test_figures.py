@@ -5,8 +5,11 @@ from typing import Any
 
 import pytest
 
-from mimoc.studies.experiments import DEVELOPMENTS, EXPERIMENTS, delays
-from mimoc.studies.experiments.notebook import Figure, figure_rows, figures_of
+from mimoc.studies.comparison import Figure
+from mimoc.studies.experiment import figure_rows, figures_of, find_experiment
+from mimoc.studies.experiments import EXPERIMENTS, delays
+
+PAPERS = ("growth", "strength", "acuity", "delays", "inverse", "rooms")
 
 
 def row(paper: str, measured) -> tuple[str, ...]:
@@ -25,7 +28,7 @@ def test_a_word_differs_or_does_not():
     assert row("2.25", None) == ("2.25", "never", "differs")
 
 
-@pytest.mark.parametrize("name", DEVELOPMENTS)
+@pytest.mark.parametrize("name", PAPERS)
 def test_each_experiment_of_the_paper_has_figures_that_say_how_they_are_known(name):
     figures = figures_of(name)
     assert len({figure.quantity for figure in figures}) == len(figures) > 0
@@ -51,5 +54,5 @@ def test_movements_are_less_smooth_where_every_measure_that_the_page_lists_says_
     assert delays._less_smooth({"0 ms": [learner(**shortest)], "200 ms": [learner(**longer)]}) == verdict
 
 
-def test_experiments_of_the_paper_are_experiments():
-    assert set(DEVELOPMENTS) < set(EXPERIMENTS)
+def test_experiments_of_the_paper_are_those_whose_infants_can_have_its_body():
+    assert [name for name in EXPERIMENTS if find_experiment(name).development] == list(PAPERS)

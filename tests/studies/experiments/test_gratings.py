@@ -1,6 +1,6 @@
 import pytest
 
-from mimoc.components.senses.vision.build_acuity import acuity_at
+from mimoc.components.senses.vision.build import acuity_at
 from mimoc.studies.experiments.acuity import PAPER_MONTHS, PROFILE, SHARES_OF_ACUITY, transfers
 
 

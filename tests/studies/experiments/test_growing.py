@@ -6,7 +6,7 @@ import pytest
 
 from mimoc.studies.experiments.growing import AGES_MONTHS, QUICK_STEPS, STEPS, comparison, reaching, schedule_of
 from mimoc.studies.experiments.learner import Learner, by_group
-from mimoc.studies.experiments.notebook import page_text
+from mimoc.studies.notebook import page_text
 from mimoc.training import Curve, Episode, Training
 
 NUMBERS = {"steps": 1000, "seeds": 3, "balls": 2, "check_balls": 1}

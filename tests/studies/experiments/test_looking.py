@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mimoc.studies.experiments.grating_card import CardTrial, Eyes
-from mimoc.studies.experiments.looking import NOISE, RIGHT, crossing, right_choices
+from mimoc.studies.experiments.looking import NOISE, RIGHT, CardTrial, Eyes, crossing, right_choices
 
 NARROW = {"size_px": 128, "fovy_deg": 58.0}
 """Enough for gratings of one cycle per degree at 38 cm."""

@@ -9,8 +9,17 @@ from hypothesis import given, strategies as st
 
 import mimoc
 from mimoc.runtime.env import InfantEnv
-from mimoc.studies.experiments.regard import MOBILE, ON_S, Pictures, contrasts_of, gaze_onset_s, hand_regard, lying
-from mimoc.studies.experiments.sight import Points, Sight
+from mimoc.studies.experiments.regard import (
+    MOBILE,
+    ON_S,
+    Pictures,
+    Points,
+    Sight,
+    contrasts_of,
+    gaze_onset_s,
+    hand_regard,
+    lying,
+)
 
 MOBILE_YAML = Path(__file__).parents[3] / "configs" / "mobile.yaml"
 SMALL_PX = 48

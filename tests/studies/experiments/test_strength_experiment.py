@@ -3,7 +3,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mimoc.studies.experiments.notebook import figures_of
+from mimoc.studies.experiment import figures_of
 from mimoc.studies.experiments.strength import (
     BEHAVIOURS,
     PAPER_MONTHS,

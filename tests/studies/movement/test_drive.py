@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.milestones import Conditions, compile_at
+from mimoc.studies.milestones.infant import Conditions, compile_at
 from mimoc.studies.movement.drive import QUIET, Drive, all_but, angle_deg, floating, run, settled, slack
 
 MODELS = ("torque", "position", "muscle")

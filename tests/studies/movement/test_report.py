@@ -8,10 +8,9 @@ import mimoc
 from mimoc.base.errors import UnknownNameError
 from mimoc.cli.tables import print_movement
 from mimoc.render.plots.file import draw
-from mimoc.render.plots.windows import windows_sheet
+from mimoc.render.plots.plot import windows_sheet
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.movement import TRIALS, WINDOWS, MovementReport, Row, window_of
-from mimoc.studies.movement.trial import missing
+from mimoc.studies.movement.report import TRIALS, WINDOWS, MovementReport, Row, window_of
 
 MEASURES = {measure.name: measure for trial in TRIALS.values() for measure in trial.measures}
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
@@ -200,12 +199,3 @@ def test_the_plot_has_a_panel_for_each_measure():
     figure = draw(windows_sheet(REPORT.panels, "real infants"))
     titles = [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes if axes.get_visible()]
     assert [title for title in titles if title] == [rows[0].measure.title for rows in REPORT.by_measure.values()]
-
-
-def test_missing_parts_are_listed():
-    class Armless:
-        def has(self, body):
-            return body != "left_hand"
-
-    assert missing(TRIALS["grip"], Armless()) == "this infant has no left_hand"
-    assert missing(TRIALS["damping"], Armless()) == ""

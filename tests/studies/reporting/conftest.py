@@ -12,10 +12,9 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import RenderingError
-from mimoc.studies.cohorts import Cohort
+from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.store import Result, Store
-from mimoc.studies.reporting import world
-from mimoc.studies.reporting.infant import who
+from mimoc.studies.reporting import infant, world
 from mimoc.training.curve import Curve, CurvePoint
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import TrainingSettings
@@ -94,7 +93,7 @@ def see() -> Callable[[Path], Seen]:
 @pytest.fixture
 def without_opengl(monkeypatch) -> None:
     """Draw no portraits, which takes most of a page's time."""
-    monkeypatch.setattr(who, "portrait", _no_opengl)
+    monkeypatch.setattr(infant, "portrait", _no_opengl)
 
 
 @pytest.fixture(scope="session")
@@ -107,7 +106,7 @@ def small_one() -> mimoc.Bundle:
 def page(small_one, tmp_path_factory) -> Path:
     """Return the page of that infant, without a portrait."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(who, "portrait", _no_opengl)
+        patch.setattr(infant, "portrait", _no_opengl)
         return mimoc.report(small_one, tmp_path_factory.mktemp("pages") / "infant.html")
 
 
@@ -115,7 +114,7 @@ def page(small_one, tmp_path_factory) -> Path:
 def run_page(run, tmp_path_factory) -> Path:
     """Return the page of a training run, without a portrait."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(who, "portrait", _no_opengl)
+        patch.setattr(infant, "portrait", _no_opengl)
         return mimoc.report(run, tmp_path_factory.mktemp("pages") / "run.html")
 
 

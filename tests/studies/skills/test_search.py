@@ -7,8 +7,18 @@ import pytest
 
 from mimoc.policies.postures import Postures
 from mimoc.studies.skills import search as searching
-from mimoc.studies.skills.recipes import RECIPES, Form
-from mimoc.studies.skills.search import DRAWS, FIRST_TEST, KEPT, Candidate, Outcome, Searcher, best_of, search
+from mimoc.studies.skills.search import (
+    DRAWS,
+    FIRST_TEST,
+    KEPT,
+    RECIPES,
+    Candidate,
+    Form,
+    Outcome,
+    Searcher,
+    best_of,
+    search,
+)
 
 STARTS = 20
 Play = Callable[[float, int], tuple[float, bool]]

@@ -8,10 +8,8 @@ import mimoc
 from mimoc.base.errors import PolicyError
 from mimoc.policies import skill
 from mimoc.policies.postures import read_postures
-from mimoc.schema.components.tasks import SKILLS
-from mimoc.studies.skills.attempts import Attempt
-from mimoc.studies.skills.learning import AgeResult, SkillReport
-from mimoc.studies.skills.shipped import RESULTS, shipped_skills
+from mimoc.schema.kinds import SKILLS
+from mimoc.studies.skills.learning import RESULTS, AgeResult, Attempt, SkillReport, shipped_skills
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
 
@@ -37,7 +35,7 @@ def test_what_a_search_writes_is_what_is_shown(tmp_path):
 
 
 def test_without_results_it_says_how_they_are_made(tmp_path):
-    with pytest.raises(mimoc.MimocError, match="make skills"):
+    with pytest.raises(mimoc.MimocError, match=r"\.ci/task skills"):
         shipped_skills(tmp_path)
 
 

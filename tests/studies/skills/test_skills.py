@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.schema.components.tasks import SKILLS
-from mimoc.studies.skills.attempts import Attempt
-from mimoc.studies.skills.learning import REAL_AGES, AgeResult, SkillReport, learn_skill
-from mimoc.studies.skills.recipes import RECIPES, Form
-from mimoc.studies.skills.search import DRAWS, search
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.kinds import SKILLS
+from mimoc.studies.skills import trainings
+from mimoc.studies.skills.learning import CHILD, REAL_AGES, AgeResult, Attempt, SkillReport, learn_skill
+from mimoc.studies.skills.search import DRAWS, RECIPES, Form, search
 
 SENSES = {"proprioception": {"include": ["velocity"]}, "vestibular": {}}
 
@@ -67,12 +67,6 @@ def test_the_age_of_a_skill_is_where_half_of_the_starts_succeed(successes, from_
     json.dumps(report.to_data())
 
 
-def test_the_interval_is_wilsons():
-    """1 of 20: .9 to 23.6 % (Newcombe 1998's formula, by hand)."""
-    low, high = AgeResult.of([attempt(6, 0.05)]).interval
-    assert (low, high) == (pytest.approx(0.0089, abs=1e-3), pytest.approx(0.236, abs=1e-3))
-
-
 @pytest.mark.full
 def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, monkeypatch):
     def learn(tries=DRAWS):
@@ -87,5 +81,43 @@ def test_it_goes_on_from_what_was_searched_and_says_who_cannot_begin(tmp_path, m
     assert older.searches[0].tried == DRAWS
     assert (tmp_path / "out" / "pull_to_stand_9_months.json").exists()
     assert not (tmp_path / "out" / "pull_to_stand_0_months.json").exists()
-    monkeypatch.setattr("mimoc.studies.skills.attempts.process_pool", None)
+    monkeypatch.setattr("mimoc.studies.skills.search.run_jobs", None)
+    assert learn() == report
+
+
+def child(kind: str, **keys: object) -> InfantSpec:
+    return InfantSpec.model_validate({**CHILD, "age_months": 12, "task": {"kind": kind, **keys}})
+
+
+def test_who_can_fall_is_helped_while_it_learns_unless_the_spec_says_otherwise():
+    supports = [
+        getattr(trainings.while_learning(spec).task, "support", None)
+        for spec in (child("stand"), child("stand", support=0.0), child("stand", support=0.2), child("roll"))
+    ]
+    assert supports == [trainings.SUPPORT, 0.0, 0.2, 0.0]
+    for kind in trainings.HELPED:
+        child(kind, support=trainings.SUPPORT)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("kernels_compiled_quickly")
+def test_two_ages_learn_side_by_side_and_act_on_the_cpu(tmp_path, monkeypatch):
+    monkeypatch.setattr(trainings, "HYPER", {"n_steps": 4, "mini_batches": 2})
+
+    def learn():
+        options = {"device": "warp:cpu", "steps": 8, "envs": 2, "seeds": 1, "starts": 1, "options": {"steps": 6}}
+        return learn_skill("pull_to_stand", (0, 9, 10), tmp_path / "out", **options)
+
+    report = learn()
+    newborn, *older = [result.searches[0] for result in report.ages]
+    assert "flat feet" in newborn.problem
+    for attempt in older:
+        assert attempt.tried == 8
+        assert 0 <= attempt.success_on_device <= 1
+        assert (tmp_path / "out" / attempt.policy).exists()
+    assert not (tmp_path / "out" / "pull_to_stand_0_months.zip").exists()
+    spec = child("pull_to_stand").with_(age_months=9)
+    policy = f"skill:{tmp_path / 'out' / 'pull_to_stand_9_months.zip'}"
+    assert len(mimoc.evaluate(mimoc.make(spec).unwrapped, policy, episodes=1)) == 1
+    monkeypatch.setattr(trainings, "train_together", None)
     assert learn() == report

@@ -6,7 +6,7 @@ from pathlib import Path
 import trimesh
 
 from mimoc.base.errors import UnknownToysError, suggestion
-from mimoc.compiler.toys.choosing import Toybox
+from mimoc.compiler.toys.placing import Toybox
 from mimoc.compiler.toys.shape import Mesh, Solid, ToyModel, assemble
 from mimoc.schema.toys import ToysSpec
 

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
 
 
 class KickSpec(TaskSpec):

@@ -1,17 +1,15 @@
 """The skin of a child, carried from the sculpture by the child's solids."""
 
-import pickle
 from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
 
-from mimoc.base.geometry.face_steps import Steps, on_grid, steps_between
+from mimoc.base.geometry.meshes import Steps, normals_of, on_grid, smoothed, steps_between
 from mimoc.base.geometry.primitives import extents
 from mimoc.base.geometry.rotations import FloatArray, matrix_from_euler
-from mimoc.base.geometry.triangles import normals_of, smoothed
-from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
+from mimoc.body.surface import head_radius
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.looks.skin.garments import OUTFITS, Piece, dressed
 from mimoc.compiler.looks.skin.head import deform_head, hair_over
@@ -19,28 +17,19 @@ from mimoc.compiler.looks.skin.surface_distance import LEAST_SLOPE, surface_dist
 from mimoc.compiler.looks.skin.template_mesh import BODY, HAIR, HEAD, IntArray, SculptedMesh, Sculpture, template_mesh
 from mimoc.compiler.mjcf.skin import Skin, SkinLayer
 
-ROUNDS = 2
-"""Steps of Newton's method towards the sculpted heights above the solids."""
-FARTHEST = 0.06
-"""Largest of these steps, in head radii."""
+ROUNDS = 2  # Steps of Newton's method towards the sculpted heights above the solids.
+FARTHEST = 0.06  # Largest of these steps, in head radii.
 SMOOTHINGS = 8
 """How often these moves are smoothed over the mesh, lest the gaps between the solids of a thin child show (D)."""
-GONE = 0.98
-"""Share of missing bodies in a vertex above which it is left out."""
+GONE = 0.98  # Share of missing bodies in a vertex above which it is left out.
 
 
+@lru_cache(maxsize=4)
 def skin_of(tree: BodyTree) -> Skin:
     """Return the skin of a body: the same vertices, in the same order, at all ages and for all children.
 
     Only those of removed limbs are left out. That of the last few bodies is kept: many scenes have the same infant.
     """
-    return skins(pickle.dumps(tree))
-
-
-@lru_cache(maxsize=4)
-def skins(pickled: bytes) -> Skin:
-    """Return the skin of a body, which is pickled so that it can be told from others."""
-    tree: BodyTree = pickle.loads(pickled)
     names = (BODY, *OUTFITS[tree.clothes], HEAD, HAIR)
     return Skin(names, lambda: layers_of(tree, template_mesh(tree.hands)), lambda: moves_of(tree))
 
@@ -99,7 +88,6 @@ class _Carrying:
             yield self._layer(piece, verts_m[piece.sources] + lifts_m[:, None] * normals[piece.sources], lost)
 
     def _layer(self, piece: Piece, verts_m: FloatArray, lost: FloatArray) -> SkinLayer:
-        """Return a layer whose vertices are given, without what missing limbs moved."""
         mesh = self.sculpted.mesh
         bones_of, weights_of = mesh.bones[piece.sources], mesh.weights[piece.sources]
         moved_by = {self.homes[index] for index in np.unique(bones_of[weights_of > 0])}
@@ -135,7 +123,6 @@ class _Carrying:
         )
 
     def _on_head(self, name: str, verts_m: FloatArray, faces: IntArray, places: FloatArray) -> SkinLayer:
-        """Return a layer that the head moves, of vertices in its frame."""
         origin, turn = self.placed[HEAD]
         bind = (HEAD,), origin[None], turn[None], np.ones((len(verts_m), 1))
         return SkinLayer(name, on_grid(origin + verts_m @ turn.T), faces, places, *bind)

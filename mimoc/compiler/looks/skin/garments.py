@@ -12,8 +12,7 @@ import numpy as np
 from mimoc.base.geometry.rotations import FloatArray
 from mimoc.compiler.looks.skin.template_mesh import BODY, Garment, IntArray, Sculpture
 
-BARE = "bare"
-"""The outfit of a body that is only measured."""
+BARE = "bare"  # The outfit of a body that is only measured.
 OUTFITS: Mapping[str, Mapping[str, str]] = {
     "bodysuit": {"shirt": "bodysuit"},
     "shirt_and_trousers": {"shirt": "shirt", "trousers": "trousers"},
@@ -22,8 +21,7 @@ OUTFITS: Mapping[str, Mapping[str, str]] = {
     BARE: {},
 }
 """The garments of each outfit, by the layer of skin that they are, from the outermost."""
-SUNK_M = 0.0007
-"""How deep in what is below it a hem ends (D)."""
+SUNK_M = 0.0007  # How deep in what is below it a hem ends (D).
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,10 +29,8 @@ class Piece:
     """One layer of a dressed body: its n vertices are vertices of the body, raised along its normals."""
 
     name: str
-    sources: IntArray
-    """The vertex of the body that each is, shape (n,)."""
-    lifts_m: FloatArray
-    """How high it is above that, on the reference child, shape (n,)."""
+    sources: IntArray  # The vertex of the body that each is, shape (n,).
+    lifts_m: FloatArray  # How high it is above that, on the reference child, shape (n,).
     faces: IntArray
     texcoords: FloatArray
 

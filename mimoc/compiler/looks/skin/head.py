@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mimoc.base.geometry.meshes import normals_of
 from mimoc.base.geometry.rotations import FloatArray
-from mimoc.base.geometry.smoothstep import smoothstep
-from mimoc.base.geometry.triangles import normals_of
-from mimoc.body.head_surface import half_axes
+from mimoc.base.geometry.solvers import smoothstep
+from mimoc.body.surface import half_axes
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.looks.skin.template_mesh import SculptedHair, SculptedHead
 
@@ -16,14 +16,10 @@ AT_EYE, BESIDE_EYE = 1.35, 3.0
 SIDES = (("right", 1.0), ("left", -1.0))
 UPPER_LID_DEG, LOWER_LID_DEG = 40.0, -32.0
 """Elevation of the lids at the middle of an open eye, seen from the middle of the eyeball."""
-CORNER_DEG = 63.0
-"""The corners of an eye to the side of its middle."""
-SHUT = (-0.30, 0.24)
-"""How far the lids of a missing eye are open, upper and lower, as shares of these."""
-OUTWARD = 0.45
-"""How much the eye's opening follows the slope of the head, from 0, straight ahead, to 1."""
-FADE_DEG = 48.0
-"""How far beyond the rims lids turn less and less."""
+CORNER_DEG = 63.0  # The corners of an eye to the side of its middle.
+SHUT = (-0.30, 0.24)  # How far the lids of a missing eye are open, upper and lower, as shares of these.
+OUTWARD = 0.45  # How much the eye's opening follows the slope of the head, from 0, straight ahead, to 1.
+FADE_DEG = 48.0  # How far beyond the rims lids turn less and less.
 
 
 def deform_head(sculpted: SculptedHead, tree: BodyTree, expression: str = "neutral") -> FloatArray:
@@ -110,7 +106,6 @@ def outward_of(eye: FloatArray, half_axes_of_head: FloatArray) -> FloatArray:
 
 
 def _between_ages(sculpted: SculptedHead, values: FloatArray, age_months: float) -> FloatArray:
-    """Return what is between values that are given at the ages that a head was sculpted at, shape (ages, ...)."""
     ages = sculpted.ages_months
     later = int(np.clip(np.searchsorted(ages, age_months), 1, len(ages) - 1))
     share = float(np.clip((age_months - ages[later - 1]) / (ages[later] - ages[later - 1]), 0, 1))
@@ -121,16 +116,11 @@ class Growth(NamedTuple):
     """The hair of one age; all figures are chosen by eye (D)."""
 
     months: float
-    cover: float
-    """How much of the scalp it covers, 0 to 1."""
-    thick_mm: float
-    """How thick it lies, on a head of nine months."""
-    edge_deg: float
-    """Within how much of the hairline it becomes as dense as that."""
-    fringe: float
-    """How much of a fringe there is, 0 to 1."""
-    worn: float
-    """How much of it is rubbed off at the back of the head, 0 to 1."""
+    cover: float  # How much of the scalp it covers, 0 to 1.
+    thick_mm: float  # How thick it lies, on a head of nine months.
+    edge_deg: float  # Within how much of the hairline it becomes as dense as that.
+    fringe: float  # How much of a fringe there is, 0 to 1.
+    worn: float  # How much of it is rubbed off at the back of the head, 0 to 1.
 
 
 GROWTH = (
@@ -145,8 +135,7 @@ GROWTH = (
 BARE, CLEAR = 0.05, 0.11
 """Up to the first share of hair the layer is under the skin, and from the second on it is above it; up to there, its
 picture is skin."""
-SUNK_MM, LEAST_MM = 0.9, 0.4
-"""How deep and how high it is there."""
+SUNK_MM, LEAST_MM = 0.9, 0.4  # How deep and how high it is there.
 MARGIN = 0.06
 """Of the picture, which is repeated beyond its borders, so that what is far away looks a little like both."""
 

@@ -11,8 +11,7 @@ from mimoc.body.kinematics import Posed
 from mimoc.body.tree import Geom
 
 IntArray = npt.NDArray[np.intp]
-LEAST_SLOPE = 0.3
-"""Smallest square of a blended slope that is divided by: between two fingers, the slopes cancel."""
+LEAST_SLOPE = 0.3  # Smallest square of a blended slope that is divided by: between two fingers, the slopes cancel.
 
 
 def surface_distance(
@@ -50,7 +49,6 @@ def surface_distance(
 
 
 def _three(geom: Geom) -> tuple[float, float, float]:
-    """Return the size of a solid as three numbers; those that its type does not have are 0."""
     first, second, third, *_ = (*geom.size_m, 0.0, 0.0)
     return first, second, third
 

@@ -1,4 +1,4 @@
-"""The sculpted skin of a child, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
+"""The sculpted skin of a child, as it ships with mimoc; `.ci/task skin` makes it (see `sculpt/`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -18,44 +18,31 @@ IntArray = npt.NDArray[np.intp]
 FOLDER = Path(__file__).parent / "sculpted"
 BODY = "body"
 """What several bodies move: the name of the layer of bare skin, and of the mesh that clothes are parts of."""
-HEAD = "head"
-"""What one body moves: the name of the layer, the body and the solid."""
-HAIR = "hair"
-"""The layer over it, which the same body moves."""
-MOVE_M = 1e-5
-"""Unit of the moves of an expression in the file."""
+HEAD = "head"  # What one body moves: the name of the layer, the body and the solid.
+HAIR = "hair"  # The layer over it, which the same body moves.
+MOVE_M = 1e-5  # Unit of the moves of an expression in the file.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SculptedMesh:
     """The whole surface of the reference child but its head, n vertices, in the pose that it is bound in."""
 
-    verts_m: FloatArray
-    """In the frame of the hip, shape (n, 3)."""
-    faces: IntArray
-    """Vertices of each triangle, seen from outside counterclockwise, shape (m, 3)."""
-    texcoords: FloatArray
-    """Place in the texture, shape (n, 2)."""
-    bones: IntArray
-    """Bodies that move each vertex, as indices of `Sculpture.parts`, shape (n, 4)."""
-    weights: FloatArray
-    """How much each of them does, shape (n, 4); each row sums to 1."""
-    near: IntArray
-    """The solids near each vertex, as indices of `Sculpture.solids`, shape (n, 4)."""
-    offsets_m: FloatArray
-    """Height of each vertex above these, blended, shape (n,)."""
-    blend_m: FloatArray
-    """Width of that blend, shape (n,)."""
+    verts_m: FloatArray  # In the frame of the hip, shape (n, 3).
+    faces: IntArray  # Vertices of each triangle, seen from outside counterclockwise, shape (m, 3).
+    texcoords: FloatArray  # Place in the texture, shape (n, 2).
+    bones: IntArray  # Bodies that move each vertex, as indices of `Sculpture.parts`, shape (n, 4).
+    weights: FloatArray  # How much each of them does, shape (n, 4); each row sums to 1.
+    near: IntArray  # The solids near each vertex, as indices of `Sculpture.solids`, shape (n, 4).
+    offsets_m: FloatArray  # Height of each vertex above these, blended, shape (n,).
+    blend_m: FloatArray  # Width of that blend, shape (n,).
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Garment:
     """A part of the body's mesh, of n vertices and m faces, that is raised as cloth."""
 
-    is_covered: npt.NDArray[np.bool_]
-    """Whether each face is of it, shape (m,)."""
-    lifts_m: FloatArray
-    """How high its cloth is above each vertex, shape (n,)."""
+    is_covered: npt.NDArray[np.bool_]  # Whether each face is of it, shape (m,).
+    lifts_m: FloatArray  # How high its cloth is above each vertex, shape (n,).
     texcoords: FloatArray
     """Place in the texture of its layer: along the pattern, and how near a hem or how deep in a fold, shape (n, 2)."""
 
@@ -64,38 +51,30 @@ class Garment:
 class SculptedHair:
     """The part of the head's mesh that has hair, of n vertices."""
 
-    verts: IntArray
-    """Of the head, shape (n,)."""
-    faces: IntArray
-    """Of these, shape (m, 3)."""
+    verts: IntArray  # Of the head, shape (n,).
+    faces: IntArray  # Of these, shape (m, 3).
     inside_deg: FloatArray
     """How far within the hairline each is, and how much farther if there is a full fringe, shape (n, 2)."""
-    around: FloatArray
-    """Which way from the whorl, 0 to 1, the same on both sides, shape (n,)."""
-    worn: FloatArray
-    """How much of the hair rubs off on the ground, 0 to 1, shape (n,)."""
+    around: FloatArray  # Which way from the whorl, 0 to 1, the same on both sides, shape (n,).
+    worn: FloatArray  # How much of the hair rubs off on the ground, 0 to 1, shape (n,).
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SculptedHead:
     """The mesh of the head on the reference child, in the frame of the head's solid."""
 
-    ages_months: FloatArray
-    """Ages that it was sculpted at, rising, shape (ages,)."""
+    ages_months: FloatArray  # Ages that it was sculpted at, rising, shape (ages,).
     at_ages_m: FloatArray
     """The vertices at these ages, as if the head's solid were always the same, shape (ages, n, 3)."""
     lids: FloatArray
     """How far the lids are open at these ages, upper and lower, by how far they are in the mesh, shape (ages, 2)."""
     moves_m: Mapping[str, FloatArray]
     """How each vertex moves from the neutral to another expression, lids aside, by expression, shape (n, 3)."""
-    lids_by_expression: Mapping[str, FloatArray]
-    """How far the lids are open then, by how far they are, shape (2,)."""
+    lids_by_expression: Mapping[str, FloatArray]  # How far the lids are open then, by how far they are, shape (2,).
     faces: IntArray
     texcoords: FloatArray
-    half_axes_m: FloatArray
-    """Of the head's solid, shape (3,)."""
-    eye_m: FloatArray
-    """Middle of the right eye, shape (3,)."""
+    half_axes_m: FloatArray  # Of the head's solid, shape (3,).
+    eye_m: FloatArray  # Middle of the right eye, shape (3,).
     eye_radius_m: float
     hair: SculptedHair
 
@@ -104,30 +83,19 @@ class SculptedHead:
 class Sculpture:
     """The skin of a reference child with one kind of hands."""
 
-    parts: tuple[str, ...]
-    """Names of its bodies."""
-    parents: Mapping[str, str]
-    """Parent of each body but the hip."""
-    origins_m: FloatArray
-    """Of the bodies in the frame of the hip, shape (bodies, 3)."""
-    turns: FloatArray
-    """Hip from body, shape (bodies, 3, 3)."""
-    low_m: FloatArray
-    """Least corner of the box around a body's solids, in the frame of the body, shape (bodies, 3)."""
-    high_m: FloatArray
-    """The opposite corner."""
-    solids: tuple[str, ...]
-    """Names of its geoms."""
-    angles_rad: Mapping[str, float]
-    """The pose that the skin is bound in, by joint; others are at zero."""
-    head_radius_m: float
-    """Of a circle with the head's circumference."""
+    parts: tuple[str, ...]  # Names of its bodies.
+    parents: Mapping[str, str]  # Parent of each body but the hip.
+    origins_m: FloatArray  # Of the bodies in the frame of the hip, shape (bodies, 3).
+    turns: FloatArray  # Hip from body, shape (bodies, 3, 3).
+    low_m: FloatArray  # Least corner of the box around a body's solids, in the frame of the body, shape (bodies, 3).
+    high_m: FloatArray  # The opposite corner.
+    solids: tuple[str, ...]  # Names of its geoms.
+    angles_rad: Mapping[str, float]  # The pose that the skin is bound in, by joint; others are at zero.
+    head_radius_m: float  # Of a circle with the head's circumference.
     mesh: SculptedMesh
     garments: Mapping[str, Garment]
-    ages_months: FloatArray
-    """Ages that the body is sculpted at."""
-    fullness_m: FloatArray
-    """How much fuller than its solids the body is at each of these ages, shape (ages, n)."""
+    ages_months: FloatArray  # Ages that the body is sculpted at.
+    fullness_m: FloatArray  # How much fuller than its solids the body is at each of these ages, shape (ages, n).
     head: SculptedHead
 
 
@@ -175,12 +143,11 @@ def assembled(arrays: Arrays, head: Arrays) -> Sculpture:
 
 
 def _names(arrays: Arrays, names: str, indices: str) -> tuple[str, ...]:
-    """Return the names in one array, to which vertices refer by their indices in another."""
     found, highest = arrays[names], int(arrays[indices].max())
     if found.dtype.kind != "U" or found.ndim != 1 or len(set(found.tolist())) < len(found):
-        raise DataError(f"skin: '{names}' is no list of different names; run `make skin`")
+        raise DataError(f"skin: '{names}' is no list of different names; run `.ci/task skin`")
     if highest >= len(found):
-        raise DataError(f"skin: '{indices}' refers to number {highest} of {len(found)} '{names}'; run `make skin`")
+        raise DataError(f"skin: '{indices}' refers to number {highest} of {len(found)} '{names}'; run `.ci/task skin`")
     return tuple(found.tolist())
 
 
@@ -194,7 +161,6 @@ def _garment(arrays: Arrays, index: int) -> Garment:
 
 
 def _fixed(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return whole numbers as indices and others in double precision, read-only."""
     fixed = array.astype(np.float64 if array.dtype.kind == "f" else np.intp)
     fixed.flags.writeable = False
     return fixed

@@ -14,19 +14,16 @@ from mimoc.components.companions.caregiver.run_body import CaregiverBody
 from mimoc.components.companions.caregiver.run_hands import Hands, Offered
 from mimoc.components.companions.caregiver.run_infant import Infant, Onsets
 from mimoc.runtime.companion import Companion
-from mimoc.runtime.sound import SILENT_AFTER_MS, Sound, SoundSources, step_of
-from mimoc.runtime.voice import Voice
+from mimoc.runtime.sound import SILENT_AFTER_MS, Sound, SoundSources, Voice, step_of
 from mimoc.schema.caregiver import ACTS, CaregiverEntry
 
 NAME = "caregiver"
-SMILE_MS, VOICE_MS = 1500.0, 400.0
-"""How long it smiles and speaks unless it is said; assumptions."""
+SMILE_MS, VOICE_MS = 1500.0, 400.0  # How long it smiles and speaks unless it is said; assumptions.
 PITCH_HZ, LEVEL_DB = 260.0, 60.0
 """Fundamental frequency of its voice: about the mean of mothers who speak to infants (Fernald et al. 1989, J Child Lang
 16: 477; from memory); and its level at 1 m, that of conversation (from memory)."""
 HAPPY, NEUTRAL = "happy", "neutral"
-Noted = tuple[int, str]
-"""A physics step, and the infant that it is about."""
+Noted = tuple[int, str]  # A physics step, and the infant that it is about.
 
 
 class Caregiver(Companion):

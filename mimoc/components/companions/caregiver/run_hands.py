@@ -8,25 +8,17 @@ import mujoco
 import numpy as np
 
 from mimoc.base.geometry.adult import SIDES, Palm, Side
-from mimoc.base.geometry.leaning import UP
-from mimoc.components.companions.caregiver.run_body import CaregiverBody
+from mimoc.base.geometry.reach import UP
+from mimoc.components.companions.caregiver.run_body import CaregiverBody, HandPath
 from mimoc.components.companions.caregiver.run_infant import Infant
-from mimoc.components.companions.caregiver.run_motion import HandPath
 
-ABOVE_M = 0.025
-"""From the top of an object to the middle of the palm that holds it."""
-WITHIN_REACH_M = 0.06
-"""From the infant's hand to the surface of an object that is offered; an assumption."""
-WAITING_S = 0.2
-"""How long a hand waits that touches the infant before it counts as arrived; an assumption."""
-AROUND_M = 0.12
-"""How far from its end, to the side or above, the last part of a movement begins; an assumption."""
-OVER_M = 0.6
-"""Height of the control point of a movement over the infant, above its ends; an assumption."""
-TRIES = 3
-"""How often a hand tries to get over the infant."""
-TAKING_OVER_S = 0.3
-"""Time in which a hand takes over its share of the infant's weight; an assumption."""
+ABOVE_M = 0.025  # From the top of an object to the middle of the palm that holds it.
+WITHIN_REACH_M = 0.06  # From the infant's hand to the surface of an object that is offered; an assumption.
+WAITING_S = 0.2  # How long a hand waits that touches the infant before it counts as arrived; an assumption.
+AROUND_M = 0.12  # How far from its end, to the side or above, the last part of a movement begins; an assumption.
+OVER_M = 0.6  # Height of the control point of a movement over the infant, above its ends; an assumption.
+TRIES = 3  # How often a hand tries to get over the infant.
+TAKING_OVER_S = 0.3  # Time in which a hand takes over its share of the infant's weight; an assumption.
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +26,7 @@ class Offered:
     """An object that can be offered."""
 
     body: int
-    radius_m: float
-    """Of a sphere around its centre that encloses it."""
+    radius_m: float  # Of a sphere around its centre that encloses it.
 
 
 class Hands:

@@ -10,16 +10,14 @@ import numpy as np
 from mimoc.base.geometry.rotations import FloatArray
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.runtime.sound import SoundSources
-from mimoc.runtime.voice import Voice
+from mimoc.runtime.sound import SoundSources, Voice
 
 LOOKING_RAD, LOOKED_AWAY_RAD = math.radians(15), math.radians(20)
 """Angle between gaze and face up to which an infant looks at the face, and beyond which it looks elsewhere; an
 assumption."""
 SPOKEN_DB = 40.0
 """Sound pressure level at 1 m from which on the infant's voice is answered, a quiet voice; an assumption."""
-LOOK_S = 0.2
-"""How long a look is at least; an assumption."""
+LOOK_S = 0.2  # How long a look is at least; an assumption.
 
 
 class Infant:
@@ -92,13 +90,7 @@ class Onsets:
         self._sources, self._voice = sources, voice
 
     def __call__(self, data: mujoco.MjData, face_m: FloatArray, is_touched: bool) -> bool:
-        """Return whether it begins in the physics step that was made last.
-
-        Args:
-            data: The state after it.
-            face_m: The face of the caregiver, shape (3,).
-            is_touched: Whether infant and caregiver touch.
-        """
+        """Return whether it begins in the last physics step; *is_touched* says whether infant and caregiver touch."""
         return self._begins(data, face_m, is_touched)
 
     def _kicks(self, data: mujoco.MjData, face_m: FloatArray, is_touched: bool) -> bool:

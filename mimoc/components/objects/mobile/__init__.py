@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, JsonValue
 
 from mimoc.schema.kinds import ObjectKind
-from mimoc.schema.object_base import ObjectSpec
+from mimoc.schema.objects import ObjectSpec
 from mimoc.schema.quantities import Centimetres, Real
 
 Limb = Literal["right_foot", "left_foot", "right_hand", "left_hand"]
@@ -16,8 +16,7 @@ Figure = Literal[
 """The toys of mimoc's whose sides are worth looking at."""
 
 
-COUNT: dict[str, JsonValue] = {"minItems": 2, "maxItems": 8}
-"""Of figures: one alone would pull the mobile askew."""
+COUNT: dict[str, JsonValue] = {"minItems": 2, "maxItems": 8}  # Of figures: one alone would pull the mobile askew.
 
 
 def _counted(figures: Sequence[str]) -> Sequence[str]:

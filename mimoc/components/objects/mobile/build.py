@@ -29,26 +29,32 @@ from mimoc.body.origins import Entry
 from mimoc.compiler.mjcf.elements import Site
 from mimoc.compiler.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.compiler.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, Tie, object_name
-from mimoc.compiler.objects.pieces import DAMPING_RATIO, bar, moved, pendulum_damping, seen, solid, string
-from mimoc.compiler.toys.choosing import DARK, LIGHT, Toy
+from mimoc.compiler.objects.built_object import (
+    DAMPING_RATIO,
+    BuiltObject,
+    Surroundings,
+    Tie,
+    bar,
+    moved,
+    object_name,
+    pendulum_damping,
+    seen,
+    solid,
+    string,
+)
 from mimoc.compiler.toys.objects import centre_of_mass, materials_of, pieces_of
+from mimoc.compiler.toys.placing import DARK, LIGHT, Toy
 from mimoc.compiler.toys.shape import Tint
 from mimoc.components.objects.mobile import MobileSpec
 from mimoc.components.toys.builtin import load_toy
 
-HUB_M, HUB_KG = 0.018, 0.05
-"""Radius and mass of the wooden hub with its arms."""
-ARM_M, SLOPE_M = 0.004, 0.04
-"""Radius of the arms, and how far they go down to their ends."""
-THREAD_M = 0.05
-"""From the end of an arm to its figure."""
+HUB_M, HUB_KG = 0.018, 0.05  # Radius and mass of the wooden hub with its arms.
+ARM_M, SLOPE_M = 0.004, 0.04  # Radius of the arms, and how far they go down to their ends.
+THREAD_M = 0.05  # From the end of an arm to its figure.
 BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.035, 0.03
 """Smallest and largest radius and mass of the bell: a hollow ball of brass."""
-ROD_M, ROD_HZ = 0.0025, 8.0
-"""Radius of the rod that carries the bell, and the frequency at which it vibrates."""
-GAP_M = 0.008
-"""Between the figures and the bell, and between two figures at least."""
+ROD_M, ROD_HZ = 0.0025, 8.0  # Radius of the rod that carries the bell, and the frequency at which it vibrates.
+GAP_M = 0.008  # Between the figures and the bell, and between two figures at least.
 SITE_M = 0.003
 ON_ITS_SIDE: Quaternion = quaternion_from_axis((1.0, 0.0, 0.0), math.pi / 2)
 """Turns a toy that stands so that its side faces down, where the infant is."""
@@ -64,8 +70,7 @@ class Figure:
     geoms: tuple[ObjectGeom, ...]
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]
-    half_m: Vec3
-    """Half lengths of the box around it."""
+    half_m: Vec3  # Half lengths of the box around it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +78,9 @@ class Layout:
     """Where the parts of a mobile are, and how large the bell is."""
 
     cord_m: float
-    arm_m: float
-    """How far the ends of the arms are from the middle."""
-    figure_m: float
-    """Half the height of its highest figure."""
-    radius_m: float
-    """Of the bell, which reaches nearly to the figures."""
+    arm_m: float  # How far the ends of the arms are from the middle.
+    figure_m: float  # Half the height of its highest figure.
+    radius_m: float  # Of the bell, which reaches nearly to the figures.
 
     @property
     def bell_m(self) -> float:

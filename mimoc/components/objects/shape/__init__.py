@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from mimoc.schema.base import KeyedError
 from mimoc.schema.kinds import ObjectKind
-from mimoc.schema.object_base import Distance, Material, Motion, ObjectSpec
+from mimoc.schema.objects import Distance, Material, Motion, ObjectSpec
 from mimoc.schema.quantities import Centimetres, PathText, Real, Rising
 from mimoc.schema.toys import ToyName, ToySize
 

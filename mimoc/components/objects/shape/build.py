@@ -14,16 +14,23 @@ from mimoc.base.units import GRAVITY_M_S2, cm_to_m
 from mimoc.body.origins import Entry
 from mimoc.compiler.mjcf.furniture import Rgba, WorldMaterial
 from mimoc.compiler.mjcf.world import MeshFile, ObjectBody, ObjectGeom, ObjectJoint
-from mimoc.compiler.objects.built_object import BuiltObject, Surroundings, object_name
-from mimoc.compiler.objects.pieces import moved, pendulum_damping, solid, string
-from mimoc.compiler.toys.choosing import DARK, LIGHT, Toy
+from mimoc.compiler.objects.built_object import (
+    BuiltObject,
+    Surroundings,
+    moved,
+    object_name,
+    pendulum_damping,
+    solid,
+    string,
+)
 from mimoc.compiler.toys.objects import centre_of_mass, materials_of, pieces_of
+from mimoc.compiler.toys.placing import DARK, LIGHT, Toy
 from mimoc.compiler.toys.shape import UPRIGHT, Tint, ToyModel
 from mimoc.components.objects.shape import ShapeSpec
 from mimoc.components.toys import builtin
 from mimoc.components.toys.toys4k import build as toys4k, dataset
 from mimoc.components.toys.toys4k.cache import MeshCache
-from mimoc.schema.object_base import Material
+from mimoc.schema.objects import Material
 
 DENSITIES_KG_M3: dict[Material, float] = {
     "wood": 600.0,
@@ -41,8 +48,7 @@ COLOURS: dict[Material, Vec3] = {
     "cloth": (0.55, 0.62, 0.82),
     "rubber": (0.2, 0.55, 0.35),
 }
-TURNING = (0.005, 0.0005)
-"""Spinning and rolling friction, as of toys."""
+TURNING = (0.005, 0.0005)  # Spinning and rolling friction, as of toys.
 WOODEN, STUFFED = 620.0, 150.0
 """Density of mimoc's toys of wood, and the largest of those of cloth, in [kg/m³]; see `sculpt/toys/`."""
 ALONG_X: Quaternion = quaternion_from_axis((0.0, 1.0, 0.0), math.pi / 2)
@@ -55,17 +61,13 @@ class Solid:
     geoms: tuple[ObjectGeom, ...]
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]
-    half_m: Vec3
-    """Half lengths of the box around it, which stands on z = 0."""
-    radius_m: float
-    """Of the vertical cylinder around it."""
+    half_m: Vec3  # Half lengths of the box around it, which stands on z = 0.
+    radius_m: float  # Of the vertical cylinder around it.
     mass_kg: float
     material: Material
     mass_origin: Entry
-    surface_m: tuple[float, float] | None = None
-    """Half lengths of the level surface on top of it."""
-    notes: tuple[str, ...] = ()
-    """What is to be known of its shape."""
+    surface_m: tuple[float, float] | None = None  # Half lengths of the level surface on top of it.
+    notes: tuple[str, ...] = ()  # What is to be known of its shape.
 
 
 def solid_of(spec: ShapeSpec, name: str, folder: Path) -> Solid:
@@ -190,8 +192,7 @@ def _colours(colour: Vec3) -> dict[Tint, Rgba]:
     return {"main": (*colour, 1.0), "accent": (red, green, blue, 1.0), "dark": DARK, "light": LIGHT}
 
 
-RAIL_M = 0.001
-"""How far a sliding object is above what is below it, so that nothing but its own friction stops it."""
+RAIL_M = 0.001  # How far a sliding object is above what is below it, so that nothing but its own friction stops it.
 STRING = (0.88, 0.86, 0.8, 1.0)
 
 

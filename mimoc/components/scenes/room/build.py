@@ -20,12 +20,10 @@ from mimoc.compiler.mjcf.furniture import (
     untouched,
 )
 from mimoc.compiler.mjcf.world import World
-from mimoc.compiler.scenes.built_scene import HEADLIGHT, BuiltScene, Occupant, Placement
-from mimoc.compiler.scenes.footprint import reach_of
+from mimoc.compiler.scenes import HEADLIGHT, BuiltScene, Occupant, Placement, reach_of
 from mimoc.schema.scene import SceneSpec
 
-QUADS = 16
-"""Facets along a side: MuJoCo computes light at their corners only."""
+QUADS = 16  # Facets along a side: MuJoCo computes light at their corners only.
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 
 
@@ -37,8 +35,7 @@ class Side:
     extent_m: tuple[float, float]
     pos_m: Vec3
     euler_rad: Vec3
-    inwards: Vec3
-    """Where its z points."""
+    inwards: Vec3  # Where its z points.
 
 
 def sides(depth: float, width: float, height: float) -> tuple[Side, ...]:
@@ -71,14 +68,10 @@ def papered(side: Side, paper: Wallpaper) -> WorldMaterial:
     return WorldMaterial(side.name, UNTINTED, paper.name, (across, up))
 
 
-PICTURE_COUNT = (2, 4)
-"""Never two on one wall."""
-EYE_HEIGHT_M = (1.2, 1.6)
-"""Of the middle of a picture."""
-MARGIN_M = 0.1
-"""Of free wall around a picture."""
-OFF_THE_WALL_M = 0.012
-"""Gap behind pictures, and above lamps, so that nothing shows through, even from 20 m away."""
+PICTURE_COUNT = (2, 4)  # Never two on one wall.
+EYE_HEIGHT_M = (1.2, 1.6)  # Of the middle of a picture.
+MARGIN_M = 0.1  # Of free wall around a picture.
+OFF_THE_WALL_M = 0.012  # Gap behind pictures, and above lamps, so that nothing shows through, even from 20 m away.
 
 
 def hang_pictures(
@@ -146,8 +139,7 @@ def _trace_hung(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, 
 
 LAMP_COUNT = (1, 2)
 LAMP_RADIUS_M, LAMP_HALF_HEIGHT_M = 0.16, 0.025
-LAMP_LIGHT = 0.34
-"""All lamps together, on what faces them: with the headlight, white walls are just not overexposed."""
+LAMP_LIGHT = 0.34  # All lamps together, on what faces them: with the headlight, white walls are just not overexposed.
 WARMEST, COOLEST = (1.0, 0.93, 0.82), (0.96, 0.98, 1.0)
 SHADE = WorldMaterial("lamp", (1.0, 0.98, 0.93, 1.0), emission=0.9)
 
@@ -196,16 +188,14 @@ def _light(number: int, ceiling_m: Vec3, diffuse: Vec3) -> SpotLight:
 
 Range = tuple[float, float]
 
-CLEARANCE_M = 0.6
-"""Between an infant and the walls, as in MIMo."""
+CLEARANCE_M = 0.6  # Between an infant and the walls, as in MIMo.
 
 
 @dataclass(frozen=True, slots=True)
 class Room:
     """A room around the origin, its floor at z = 0."""
 
-    size_m: Vec3
-    """Depth, width and height: along x, y and z."""
+    size_m: Vec3  # Depth, width and height: along x, y and z.
     furniture: Furniture
 
 

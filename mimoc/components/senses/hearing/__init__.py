@@ -74,8 +74,8 @@ KIND = SenseKind(
         about="Standard deviation of the level of each band that is heard, or of the whole sound at each ear as a "
         "waveform.",
         most=60.0,
-        run="mimoc.components.senses.hearing.noise",
+        run="mimoc.components.senses.hearing.run:bind_noise",
     ),
-    is_recent=True,
+    omit_if_absent=True,
 )
 """Its delay is that of wave V of the auditory brainstem response at 60 to 70 dB (from memory)."""

@@ -84,12 +84,7 @@ def excess_db(age_months: float, frequency_hz: float) -> float:
 
 
 def threshold_table(thresholds: str, age_months: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return frequencies and what is just heard there [dB re 20 µPa]; nothing of both where everything is heard.
-
-    Args:
-        thresholds: `age`, `adult` or `off`.
-        age_months: Age of the infant.
-    """
+    """Return frequencies and what is just heard there [dB re 20 µPa]; nothing of both where everything is heard."""
     if thresholds == "off":
         return (), ()
     at_age = thresholds == "age"

@@ -19,16 +19,12 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
-REFERENCE_PA = 20e-6
-"""p₀."""
-LOWEST_HZ, HIGHEST_HZ = 100.0, 8000.0
-"""Of the lowest and the highest band."""
-HIGHEST_SHARE = 0.9
-"""The highest band is below this share of half the sample rate."""
+REFERENCE_PA = 20e-6  # p₀.
+LOWEST_HZ, HIGHEST_HZ = 100.0, 8000.0  # Of the lowest and the highest band.
+HIGHEST_SHARE = 0.9  # The highest band is below this share of half the sample rate.
 WIDTH = 1.019
 ORDER = 4
-SILENCE = 1e-30
-"""Mean square that stands for none."""
+SILENCE = 1e-30  # Mean square that stands for none.
 
 
 def erb_hz(frequency_hz: Any) -> Any:
@@ -53,11 +49,9 @@ def band_centres_hz(channels: int, sample_rate_hz: float) -> FloatArray:
 class Bands:
     """The frequency bands of an ear, for windows of a number of samples."""
 
-    centres_hz: FloatArray
-    """Shape (channels,)."""
+    centres_hz: FloatArray  # Shape (channels,).
     sample_rate_hz: float
-    window: FloatArray
-    """What samples are multiplied with, shape (samples,)."""
+    window: FloatArray  # What samples are multiplied with, shape (samples,).
 
     @cached_property
     def _weights(self) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -13,14 +14,12 @@ from mimoc.bundle.io import Bundle
 from mimoc.components.senses.hearing import HearingEntry
 from mimoc.components.senses.hearing.cochlea import REFERENCE_PA, Bands, band_centres_hz, thresholds_at
 from mimoc.components.senses.hearing.listener import Listener, checked_playback
+from mimoc.runtime.noise import Draw, Noise
 from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
-from mimoc.runtime.sound import SoundSources
-from mimoc.runtime.voice import Voice
+from mimoc.runtime.sound import SoundSources, Voice
 
-WINDOW_S = 0.025
-"""Time over which levels of bands are means, weighted by a Hann window, as is usual for speech."""
-LOUDEST_PA, LOUDEST_DB = 20.0, 140.0
-"""Bounds of the observation: 120 dB, and what is above a threshold of adults then."""
+WINDOW_S = 0.025  # Time over which levels of bands are means, weighted by a Hann window, as is usual for speech.
+LOUDEST_PA, LOUDEST_DB = 20.0, 140.0  # Bounds of the observation: 120 dB, and what is above a threshold of adults then.
 EARS = "left", "right"
 
 
@@ -149,3 +148,34 @@ def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
     output = OUTPUTS[entry.output](Bands(centres_hz, rate_hz, window), thresholds_db, bool(entry.threshold_hz))
     kept = max(2 * step, len(window))  # As long as it can be between two samples of the sense.
     return Hearing(output, Listener(entry, model, bundle, kept), model.body(entry.head).id)
+
+
+@dataclass(frozen=True)
+class LevelNoise(Noise):
+    """Adds noise to the level of each band that is heard; where nothing is heard, there is none."""
+
+    deviation_db: FloatArray  # Standard deviation of a level, shape (1,).
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return a sample with noise, shape (k, 2, channels), and no state."""
+        heard = sample > 0
+        noisy_db = sample + self.deviation_db[..., None] * draw.normals(sample.shape, heard)
+        return draw.xp.where(heard, draw.xp.maximum(noisy_db, 0.0), 0.0), None
+
+
+@dataclass(frozen=True)
+class GainNoise(Noise):
+    """Changes the level of the whole sound at each ear, from one sample of the sense to the next."""
+
+    deviation_db: FloatArray  # Standard deviation of the level, shape (1,).
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return a sample with noise, shape (k, 2, samples), and no state."""
+        gains_db = self.deviation_db[..., None] * draw.normals((*sample.shape[:2], 1))
+        return sample * 10 ** (gains_db / 20), None
+
+
+def bind_noise(amount_db: float, sense: Hearing, low_pass_s: float) -> LevelNoise | GainNoise:
+    """Return the noise of a sense of hearing."""
+    kind = GainNoise if isinstance(sense.output, Waveform) else LevelNoise
+    return kind(np.array([amount_db]))

@@ -54,5 +54,5 @@ KIND = SenseKind(
     build="mimoc.components.senses.pain.build",
     run="mimoc.components.senses.pain.run",
     physiological_delay=AgeTable(AGES_MONTHS, (250, 240, 220, 190, 150, 100)),
-    is_recent=True,
+    omit_if_absent=True,
 )

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.body.skin_regions import PALMS_AND_SOLES, region_of_bodies
+from mimoc.body.surface import PALMS_AND_SOLES, region_of_bodies
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.mjcf.scene import Placed
 from mimoc.components.senses.pain import PainEntry, PainRegion, PainSpec

@@ -1,5 +1,6 @@
 """Pain: pressure of contacts and strain of joints beyond their thresholds, which fades."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -7,17 +8,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.base.units import deg_to_rad, ms_to_s
+from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.pain import PainEntry
-from mimoc.runtime.custom_sense import TermSense
 from mimoc.runtime.filter import Filter
 from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.senses import TermSense
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
-MOST = 100.0
-"""Bound of the observation; falls on the head reach some tens."""
+MAX_SCORE = 100.0  # Bound of the observation; falls on the head reach some tens.
 
 
 @dataclass(frozen=True)
@@ -28,19 +28,13 @@ class Pain(Term):
     range, and their thresholds F₀ and b₀: max(F / F₀ - 1, b / b₀ - 1, 0).
     """
 
-    region_of_geom: IntArray
-    """Or -1, shape (ngeom,)."""
-    threshold_n: FloatArray
-    """F₀, shape (g,)."""
-    addresses: IntArray
-    """Of the m joints in `qpos`, shape (m,)."""
-    low_rad: FloatArray
-    """Ends of their ranges, shape (m,)."""
+    region_of_geom: IntArray  # Or -1, shape (ngeom,).
+    threshold_n: FloatArray  # F₀, shape (g,).
+    addresses: IntArray  # Of the m joints in `qpos`, shape (m,).
+    low_rad: FloatArray  # Ends of their ranges, shape (m,).
     high_rad: FloatArray
-    joints: IntArray
-    """Those of each region, as indices among the m; m stands for none, shape (g, most)."""
-    strain_rad: FloatArray
-    """b₀, shape (1,)."""
+    joints: IntArray  # Those of each region, as indices among the m; m stands for none, shape (g, most).
+    strain_rad: FloatArray  # b₀, shape (1,).
 
     def __call__(self, worlds: Worlds) -> Any:
         """Return the pain now."""
@@ -57,8 +51,7 @@ class Pain(Term):
 class Fading(Filter):
     """What fades within a time constant T, unless there is more now: max(now, before exp(-t / T))."""
 
-    time_constant_s: FloatArray
-    """T, shape (1,)."""
+    time_constant_s: FloatArray  # T, shape (1,).
 
     def __call__(self, xp: Any, elapsed_s: float, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return what is left, which is the state, too; see `Filter`."""
@@ -85,9 +78,9 @@ def bind(entry: PainEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
         low_rad,
         high_rad,
         table.astype(np.intp),
-        np.array([deg_to_rad(entry.strain_deg)]),
+        np.array([math.radians(entry.strain_deg)]),
     )
     bodies = np.array([model.body(region.bodies[0]).id for region in entry.regions], np.intp)
-    sense = TermSense("pain", pain, [f"{region.name} [thresholds]" for region in entry.regions], 0.0, MOST, bodies)
+    sense = TermSense("pain", pain, [f"{region.name} [thresholds]" for region in entry.regions], 0.0, MAX_SCORE, bodies)
     sense.filter = Fading(np.array([ms_to_s(entry.decay_ms)]))
     return sense

@@ -1,5 +1,6 @@
 """Proprioception: the angles and velocities of the joints, their torques and limits, and the state of the actuators."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -10,21 +11,19 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.proprioception import ProprioceptionEntry
 from mimoc.runtime.actuation import all_commanded, bind_actuation
-from mimoc.runtime.custom_sense import TermSense
-from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.noise import Draw, Noise, Smooth
+from mimoc.runtime.sense import FloatArray, IntArray, Sense
+from mimoc.runtime.senses import TermSense
 from mimoc.runtime.term import Concatenated, Field, Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.schema.actuation import ActuationEntry
 
-LIMIT_MARGIN_RAD = 0.035
-"""Distance from its limit at which a joint begins to sense it (MIMo v2)."""
+LIMIT_MARGIN_RAD = 0.035  # Distance from its limit at which a joint begins to sense it (MIMo v2).
 
 MAX_SPEED_RAD_S = 1e3
 MAX_TORQUE_NM = 1e3
-MAX_LIMIT = 1e2
-"""Bounds of the observation at every age, far beyond what a stable simulation reaches."""
-ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"
-"""By which angles and velocities are known in the layout."""
+MAX_LIMIT = 1e2  # Bounds of the observation at every age, far beyond what a stable simulation reaches.
+ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"  # By which angles and velocities are known in the layout.
 
 
 @dataclass(frozen=True)
@@ -35,8 +34,7 @@ class Limits(Term):
     margins.
     """
 
-    addresses: IntArray
-    """Of the joints in `qpos`, shape (n,)."""
+    addresses: IntArray  # Of the joints in `qpos`, shape (n,).
     middle_rad: FloatArray
     reach_rad: FloatArray
 
@@ -63,11 +61,9 @@ class Component(NamedTuple):
     """One of the quantities that are sensed, for each of n joints, sensor axes or actuators."""
 
     term: Term
-    high: float
-    """Largest value; the least is its negative."""
+    high: float  # Largest value; the least is its negative.
     layout: tuple[str, ...]
-    bodies: IntArray
-    """The body in which each number is measured, shape (n,)."""
+    bodies: IntArray  # The body in which each number is measured, shape (n,).
 
 
 def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
@@ -117,3 +113,33 @@ def _components(
             component(torques, MAX_TORQUE_NM, actuators, "torque", "N m", driven),
         ],
     }
+
+
+@dataclass(frozen=True)
+class ProprioceptionNoise(Noise):
+    """Adds a smooth error to each angle, and the error's rate to each velocity; torques and limits are exact."""
+
+    deviation_rad: FloatArray  # Standard deviation of an angle, shape (1,).
+    errors: IntArray
+    """Of each number of a sample, the place of its error among those of n angles, then those of their velocities."""
+    per: FloatArray
+    """By what the error there is divided: 1 of angles, the time constant of velocities, and infinity of all else."""
+    count: int  # Number of angles, n.
+    low_pass: Smooth
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return a sample with noise, shape (k, size), and its errors, shape (k, 2 n); see `Smooth`."""
+        drawn = draw.normals((sample.shape[0], 2 * self.count))
+        state = self.low_pass(draw.xp, state, draw.elapsed_s, drawn)
+        return sample + self.deviation_rad * (draw.xp.take(state, self.errors, axis=1) / self.per), state
+
+
+def bind_noise(amount_deg: float, sense: Sense, low_pass_s: float) -> ProprioceptionNoise:
+    """Return the noise of a sense of proprioception; its velocities are in the order of its angles, if it has any."""
+    angles, velocities = (
+        np.flatnonzero([name.endswith(f"[{unit}]") for name in sense.layout]) for unit in (ANGLE_UNIT, VELOCITY_UNIT)
+    )
+    errors, per = np.zeros(len(sense.layout), np.intp), np.full(len(sense.layout), np.inf)
+    errors[angles], per[angles] = np.arange(len(angles)), 1.0
+    errors[velocities], per[velocities] = len(angles) + np.arange(len(velocities)), low_pass_s
+    return ProprioceptionNoise(np.array([math.radians(amount_deg)]), errors, per, len(angles), Smooth(low_pass_s))

@@ -97,6 +97,6 @@ KIND = SenseKind(
         unit="n",
         about="Standard deviation of the force at each skin point that is touched, in newtons.",
         most=100.0,
-        run="mimoc.components.senses.touch.noise",
+        run="mimoc.components.senses.touch.run:bind_noise",
     ),
 )

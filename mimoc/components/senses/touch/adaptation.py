@@ -21,26 +21,21 @@ import numpy as np
 
 from mimoc.base.geometry.rotations import cross
 from mimoc.components.senses.touch import Channel
-from mimoc.components.senses.touch.contacts import ContactForces
+from mimoc.components.senses.touch.receptors import ContactForces
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.filter import INSTANT_S, MOST_INTERVALS, Filter, held
 from mimoc.runtime.sense import FloatArray, IntArray
 
 RISE_S, SLOW_S = 0.15, 3.0
 """Time constants of the response of slowly adapting receptors to a rising force, and of their slow loss."""
-OVERSHOOT, LOSS = 2.0, 0.3
-"""Its share at the onset beside the force itself, and what is lost in the end."""
-RAPID_HZ = 3.0
-"""Frequency above which rapidly adapting receptors respond."""
+OVERSHOOT, LOSS = 2.0, 0.3  # Its share at the onset beside the force itself, and what is lost in the end.
+RAPID_HZ = 3.0  # Frequency above which rapidly adapting receptors respond.
 RAPID_S = 1 / (2 * math.pi * RAPID_HZ)
 STROKED_M_S, DECADES = 0.03, 1 / (2 * math.sqrt(2 * math.log(2)))
 """Speed of stroking that is felt most, and the standard deviation of its logarithm: half as much a half decade away."""
-SLOWEST_M_S = 1e-6
-"""Speed below which nothing strokes."""
-STATES = 4
-"""Numbers of state of each point."""
-FORGOTTEN_N, FORGOTTEN_S = 1e-6, 1e3
-"""A force of which nothing more is remembered, and a time after which nothing is."""
+SLOWEST_M_S = 1e-6  # Speed below which nothing strokes.
+STATES = 4  # Numbers of state of each point.
+FORGOTTEN_N, FORGOTTEN_S = 1e-6, 1e3  # A force of which nothing more is remembered, and a time after which nothing is.
 
 
 def stroking(speed_m_s: FloatArray) -> FloatArray:
@@ -53,13 +48,10 @@ def stroking(speed_m_s: FloatArray) -> FloatArray:
 class Adapting(Filter):
     """The c channels of n points, one channel after the other: from pressures, or these and what of them strokes."""
 
-    time_constants_s: FloatArray
-    """Of the slow loss, and of the rapidly adapting, shape (2,)."""
-    rise_s: FloatArray
-    """Shape (1,)."""
+    time_constants_s: FloatArray  # Of the slow loss, and of the rapidly adapting, shape (2,).
+    rise_s: FloatArray  # Shape (1,).
     channels: tuple[Channel, ...]
-    width: int
-    """Numbers of each point in a sample: its pressure, and with `ct` also what of it is stroking."""
+    width: int  # Numbers of each point in a sample: its pressure, and with `ct` also what of it is stroking.
 
     def size(self, count: int) -> int:
         """Return how many numbers of state there are: slow lag, fast lag, rise and pressure of all points."""
@@ -150,16 +142,10 @@ class Stroking:
 def sliding_speeds(
     data: mujoco.MjData, bodies: IntArray, roots: IntArray, places_m: FloatArray, normals: FloatArray
 ) -> FloatArray:
-    """Return how fast two bodies slide over each other at some places, shape (m,), [m/s].
+    """Return how fast both bodies of m contacts slide over each other, shape (m,), [m/s].
 
-    MuJoCo's `cvel` of a body is about the centre of mass of its tree, c: v = v_c + w x (p - c).
-
-    Args:
-        data: The state.
-        bodies: Both bodies of each contact, shape (m, 2).
-        roots: The root of the tree of each body of the model, shape (nbody,).
-        places_m: Shape (m, 3), in the world.
-        normals: Shape (m, 3).
+    MuJoCo's `cvel` of a body is about the centre of mass of its tree, c: v = v_c + w x (p - c). *roots* are the roots
+    of the trees of all bodies of the model; places and normals have shape (m, 3).
     """
     turning, moving = np.split(data.cvel.take(bodies, 0), 2, axis=-1)
     away_m = places_m[:, None] - data.subtree_com.take(roots.take(bodies), 0)

@@ -13,13 +13,12 @@ import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.components.senses.touch.contacts import skin_body_of_geoms
+from mimoc.components.senses.touch.receptors import skin_body_of_geoms
 from mimoc.runtime.device.signals import DeviceError, DeviceSetup
 from mimoc.runtime.sense import FloatArray
 
 IN_BODY, IN_WORLD, NORMAL = range(3)
-QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal": NORMAL}
-"""What is felt of a contact."""
+QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal": NORMAL}  # What is felt of a contact.
 KINDS = ("bodies", "points")
 """How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
 
@@ -28,19 +27,15 @@ KINDS = ("bodies", "points")
 class Contacts:
     """The contacts of all worlds, c of them at most."""
 
-    count: wp.array[int]
-    """How many there are, shape (1,)."""
-    world: wp.array[int]
-    """Shape (c,), as are all that follow."""
+    count: wp.array[int]  # How many there are, shape (1,).
+    world: wp.array[int]  # Shape (c,), as are all that follow.
     geoms: wp.array[wp.vec2i]
     dist: wp.array[float]
     pos: wp.array[wp.vec3]
     frame: wp.array[wp.mat33]
     dim: wp.array[int]
-    rows: wp.array2d[int]
-    """Rows of constraints, -1 for near misses, shape (c, rows)."""
-    force: wp.array2d[float]
-    """Forces of the constraints, shape (worlds, constraints)."""
+    rows: wp.array2d[int]  # Rows of constraints, -1 for near misses, shape (c, rows).
+    force: wp.array2d[float]  # Forces of the constraints, shape (worlds, constraints).
 
 
 def contacts_of(data: mjw.Data) -> Any:

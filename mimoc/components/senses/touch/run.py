@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,29 +15,33 @@ from mimoc.base.errors import BundleError, RenderingError
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.touch import POINTS, Channel, TouchEntry
 from mimoc.components.senses.touch.adaptation import Stroking, adapting
-from mimoc.components.senses.touch.contacts import FIELDS, ContactForces, contact_forces, rotated, skin_body_of_geoms
-from mimoc.components.senses.touch.receptors import Receptors, bind_receptors
-from mimoc.render.markers import Markers, force_markers
+from mimoc.components.senses.touch.receptors import (
+    FIELDS,
+    ContactForces,
+    Receptors,
+    bind_receptors,
+    contact_forces,
+    rotated,
+    skin_body_of_geoms,
+)
+from mimoc.render.body_camera import Markers, force_markers
+from mimoc.runtime.noise import Draw, Noise
 from mimoc.runtime.sense import FloatArray, IntArray, Observation, Sample, Sense, SkinState
 from mimoc.runtime.worlds import Worlds
 
-MAX_FORCE_N = 1e4
-"""Bound of the observation; an infant weighs a hundred."""
-COLUMNS = np.arange(3)[:, None, None]
-"""Places of the numbers of a point after its first one."""
+MAX_FORCE_N = 1e4  # Bound of the observation; an infant weighs a hundred.
+COLUMNS = np.arange(3)[:, None, None]  # Places of the numbers of a point after its first one.
 
 Response = Callable[[Receptors, IntArray, FloatArray, FloatArray], tuple[IntArray, FloatArray]]
 """Which receptors respond to a contact, and how much each; see `Receptors.share`."""
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
-    """What a receptor measures of a contact."""
+class Measure:
+    """What a receptor measures of a contact: numbers, and how these are read."""
 
-    numbers: tuple[str, ...]
-    """What its numbers are."""
-    low_n: float
-    """Their least value."""
+    numbers: tuple[str, ...]  # What its numbers are.
+    low_n: float  # Their least value.
     read: Callable[[ContactForces, FloatArray], FloatArray]
     """Returns it for m contacts with bodies of orientations (m, 3, 3), shape (m, numbers)."""
 
@@ -48,7 +53,7 @@ class Touch(Sense):
         self,
         receptors: Receptors,
         model: mujoco.MjModel,
-        quantity: Quantity,
+        quantity: Measure,
         response: Response,
         channels: tuple[Channel, ...] = (),
         stroked: Stroking | None = None,
@@ -99,7 +104,7 @@ class Touch(Sense):
         if np.maximum.reduce(observed) > MAX_FORCE_N or np.minimum.reduce(observed) < low_n:
             np.clip(observed, low_n, MAX_FORCE_N, out=observed)
 
-    def _measure(self, data: mujoco.MjData, quantity: Quantity) -> FloatArray:
+    def _measure(self, data: mujoco.MjData, quantity: Measure) -> FloatArray:
         size = len(self.receptors.bodies) * len(quantity.numbers)
         forces = contact_forces(data.contact, data.efc_force, self.body_of_geom)
         if forces is None:
@@ -204,7 +209,7 @@ def skin_markers(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> 
 
 
 def _loads(
-    forces: ContactForces, xpos: FloatArray, xmat: FloatArray, quantity: Quantity
+    forces: ContactForces, xpos: FloatArray, xmat: FloatArray, quantity: Measure
 ) -> tuple[FloatArray, FloatArray]:
     """Return where forces are, in the frames of their bodies, shape (m, 3), and what is measured of them."""
     world_from_body = xmat.take(forces.bodies, 0).reshape(-1, 3, 3)
@@ -220,10 +225,6 @@ def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], Simp
     """Return how many contacts each of k infants has, all of them, and all forces of constraints.
 
     Their geoms are those of the infant before and its own after each other, and so are their addresses of forces.
-
-    Args:
-        datas: The state of each.
-        geoms: Length of the table of geoms of one infant.
     """
     contacts, forces = [data.contact for data in datas], [data.efc_force for data in datas]
     joined = SimpleNamespace(
@@ -237,18 +238,43 @@ def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], Simp
     return counts, joined, np.concatenate(forces)
 
 
-QUANTITIES: Mapping[str, Quantity] = {
-    "force_vector": Quantity(("x", "y", "z"), -MAX_FORCE_N, lambda forces, axes: rotated(forces.forces_n, axes)),
-    "force_vector_global": Quantity(
+QUANTITIES: Mapping[str, Measure] = {
+    "force_vector": Measure(("x", "y", "z"), -MAX_FORCE_N, lambda forces, axes: rotated(forces.forces_n, axes)),
+    "force_vector_global": Measure(
         ("world x", "world y", "world z"), -MAX_FORCE_N, lambda forces, axes: forces.forces_n
     ),
-    "normal": Quantity(("pressure",), 0.0, lambda forces, axes: forces.normal_forces_n),
+    "normal": Measure(("pressure",), 0.0, lambda forces, axes: forces.normal_forces_n),
 }
 """What can be measured."""
-STROKED = Quantity(("pressure", "stroked"), 0.0, lambda forces, axes: forces.normal_forces_n.repeat(2, axis=1))
+STROKED = Measure(("pressure", "stroked"), 0.0, lambda forces, axes: forces.normal_forces_n.repeat(2, axis=1))
 """The pressure, and what of it is stroking."""
-UNITS: Mapping[str, str] = {"sa1": "N", "ra": "N", "pc": "N", "ct": "1"}
-"""Of each channel."""
+UNITS: Mapping[str, str] = {"sa1": "N", "ra": "N", "pc": "N", "ct": "1"}  # Of each channel.
 
 RESPONSES: Mapping[str, Response] = {"linear": Receptors.share, "nearest": Receptors.nearest}
 """Which receptors respond."""
+
+
+@dataclass(frozen=True)
+class TouchNoise(Noise):
+    """Adds noise to the size of each force, which is never less than zero; where nothing touches, nothing is felt.
+
+    The noise of each sample is independent of the one before.
+    """
+
+    deviation_n: FloatArray  # Standard deviation of the size of a force, shape (1,).
+    width: int  # How many numbers of a sample make a force.
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return a sample with noise, shape (k, size), and no state."""
+        xp = draw.xp
+        forces = xp.reshape(sample, (sample.shape[0], -1, self.width))
+        sizes_n = xp.sqrt(xp.sum(forces * forces, axis=-1))
+        felt = sizes_n > 0
+        noisy_n = xp.maximum(sizes_n + self.deviation_n * draw.normals(sizes_n.shape, felt), 0.0)
+        factors = noisy_n / xp.where(felt, sizes_n, 1.0)
+        return xp.reshape(forces * factors[..., None], sample.shape), None
+
+
+def bind_noise(amount_n: float, sense: Touch, low_pass_s: float) -> TouchNoise:
+    """Return the noise of a sense of touch."""
+    return TouchNoise(np.array([amount_n]), 1 if sense.channels else sense.width)

@@ -72,10 +72,10 @@ KIND = SenseKind(
         about="Standard deviation of felt rotation and acceleration, in thresholds of adults (1 deg/s, .03 m/s²), or "
         "that of the infant's age (`age`) or of adults (`adult`).",
         most=1000.0,
-        run="mimoc.components.senses.vestibular.noise",
+        run="mimoc.components.senses.vestibular.run:bind_noise",
         by_age=((0.0, 1.0), (24.0, 0.5)),
         adult=0.5,
         source="half the threshold in adults, twice as much in newborns: a guess, as no infant was measured (D)",
-        is_recent=True,
+        omit_if_absent=True,
     ),
 )

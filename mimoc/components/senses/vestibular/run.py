@@ -1,18 +1,22 @@
 """Balance: specific force and angular velocity of the head."""
 
+import math
+from dataclasses import dataclass
+from typing import Any
+
 import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.vestibular import CanalsEntry, VestibularEntry
-from mimoc.runtime.custom_sense import TermSense
 from mimoc.runtime.filter import Lags, lags_of
+from mimoc.runtime.noise import Draw, LowPass, Noise
+from mimoc.runtime.sense import FloatArray, Sense
+from mimoc.runtime.senses import TermSense
 from mimoc.runtime.term import Field
 
-MAX_ACCELERATION_M_S2 = 1e4
-"""Bound of the observation; hard knocks of the head reach some hundreds."""
-MAX_RATE_RAD_S = 1e3
-"""Bound of the observation."""
+MAX_ACCELERATION_M_S2 = 1e4  # Bound of the observation; hard knocks of the head reach some hundreds.
+MAX_RATE_RAD_S = 1e3  # Bound of the observation.
 
 
 def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
@@ -40,3 +44,29 @@ def _canals(canals: CanalsEntry, count: int) -> Lags:
     """
     leads_s, lags_s = ((canals.lead_s,), (canals.lag_s,)) if canals.lag_s else ((), ())
     return lags_of(count, (canals.adaptation_s, canals.time_constant_s), leads_s, lags_s, first=count - 3)
+
+
+THRESHOLDS = {"m/s²": 0.03, "rad/s": math.radians(1.0)}
+"""What adults just feel, by unit: .6 to 2 deg/s and .01 to .05 m/s² at 1 Hz (from memory, M)."""
+BANDWIDTH_HZ = 5.0  # Up to which the noise is white (derived, D).
+
+
+@dataclass(frozen=True)
+class VestibularNoise(Noise):
+    """Adds low-passed white noise to each number."""
+
+    deviation: FloatArray  # Standard deviation of each number in its unit, shape (n,).
+    low_pass: LowPass
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
+        """Return a sample with noise, shape (k, n), and its noise with standard deviation 1."""
+        state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
+        return sample + self.deviation * state, state
+
+
+def bind_noise(amount: float, sense: Sense, low_pass_s: float) -> VestibularNoise:
+    """Return the noise of a sense of balance, by the units of its numbers."""
+    units = [name.rsplit("[", 1)[1].rstrip("]") for name in sense.layout]
+    return VestibularNoise(
+        amount * np.array([THRESHOLDS[unit] for unit in units]), LowPass(1 / (2 * math.pi * BANDWIDTH_HZ))
+    )

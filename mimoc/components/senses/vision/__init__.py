@@ -41,8 +41,7 @@ Acuity: TypeAlias = Annotated[
 CSF_EXPONENT = 0.82
 """p of the template of contrast sensitivity, S (x e^(1-x))^p with x = f / peak: derived such that adults, who see best
 250 at 4 cycles per degree, see up to 40."""
-OLDEST_MONTHS = 36.0
-"""Last age that what follows age can be given."""
+OLDEST_MONTHS = 36.0  # Last age that what follows age can be given.
 
 
 def _kind_of_maturity(value: Any) -> str | None:

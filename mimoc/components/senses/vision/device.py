@@ -15,9 +15,8 @@ from gymnasium.spaces import Box
 
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.components.senses.vision import VisionEntry
-from mimoc.components.senses.vision.colours import Limits, limit_colours, limits_of
 from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
-from mimoc.components.senses.vision.flicker import fade, filter_of, noticed_share
+from mimoc.components.senses.vision.filters import Limits, fade, filter_of, limit_colours, limits_of, noticed_share
 from mimoc.components.senses.vision.foveation import contrast_gain, source_weights, visual_field
 from mimoc.components.senses.vision.thresholds import Transform, cosine_matrix
 from mimoc.render.renderer import average_down
@@ -105,8 +104,7 @@ def _inverse(spectrum: torch.Tensor) -> torch.Tensor:
     return rows.mT @ spectrum @ columns
 
 
-TORCH = Transform(_forward, _inverse, torch)
-"""The cosine transform by torch, which has none, as products."""
+TORCH = Transform(_forward, _inverse, torch)  # The cosine transform by torch, which has none, as products.
 
 
 def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float, eyes: int) -> FloatArray:
@@ -130,8 +128,7 @@ def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:
         return matrix.coalesce().to(device)
 
 
-SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")
-"""What must be the same of all infants' vision."""
+SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")  # What must be the same of all infants' vision.
 
 
 class VisionReader:
@@ -206,11 +203,9 @@ def _check(entries: Sequence[VisionEntry]) -> None:
                 raise mixture_error(f"0 and {number}", f"vision.{name} ({ours}, {theirs})")
 
 
-Picture = npt.NDArray[np.uint8]
-"""Shape (height, width, channels)."""
+Picture = npt.NDArray[np.uint8]  # Shape (height, width, channels).
 
-COLUMNS_PER_FACE = 4
-"""How much wider a flat picture is than a face of its cube: four of them are around the equator."""
+COLUMNS_PER_FACE = 4  # How much wider a flat picture is than a face of its cube: four of them are around the equator.
 ROWS_PER_FACE = 2
 CUBE = int(mujoco.mjtTexture.mjTEXTURE_CUBE)
 CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)

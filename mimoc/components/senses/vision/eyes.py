@@ -10,11 +10,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.components.senses.vision.defocus import distances
+from mimoc.components.senses.vision.filters import distances
 from mimoc.render.renderer import SHARED, Renderer, Setting, Shown, assets_of
 
-Drawn = npt.NDArray[np.uint8]
-"""Shape (cameras, height, width, 3)."""
+Drawn = npt.NDArray[np.uint8]  # Shape (cameras, height, width, 3).
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,16 +25,14 @@ class View:
     """Along the line of sight, shape (cameras, height, width)."""
 
 
-LEAST_SLICES = 12
+MIN_SLICES = 12
 SLICES_PER_ROOT_PX = 2.0
 """Sides of drawn balls and limbs, per square root of the picture's height in pixels, at most what the model asks for:
 the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
 `benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
 STACKS_PER_SLICE = 2 / 3
-PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]
-"""What eyes do without."""
-HIDDEN_GROUP = 4
-"""A group of geoms that MuJoCo does not draw unless asked to, and eyes never ask for."""
+PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]  # What eyes do without.
+HIDDEN_GROUP = 4  # A group of geoms that MuJoCo does not draw unless asked to, and eyes never ask for.
 
 
 class Eyes:
@@ -161,7 +158,7 @@ def _bones(model: mujoco.MjModel, skin: int) -> set[str]:
 def _lean(model: mujoco.MjModel, height_px: int) -> tuple[Setting, ...]:
     """Return the settings with which MuJoCo draws pictures of a height, and no more."""
     quality = model.vis.quality
-    slices = max(LEAST_SLICES, math.ceil(SLICES_PER_ROOT_PX * math.sqrt(height_px)))
+    slices = max(MIN_SLICES, math.ceil(SLICES_PER_ROOT_PX * math.sqrt(height_px)))
     return (
         (quality, "shadowsize", 0),
         (quality, "offsamples", 0),

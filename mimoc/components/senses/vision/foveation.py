@@ -10,13 +10,11 @@ from scipy import fft, sparse, special
 
 from mimoc.schema.quantities import Direction
 
-Pictures = npt.NDArray[np.float32]
-"""Shape (..., height, width, colours), 0 to 255."""
+Pictures = npt.NDArray[np.float32]  # Shape (..., height, width, colours), 0 to 255.
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-SIDE_PARTS = 4
-"""Straight parts that stand for each side of a pixel, which the warp bends."""
+SIDE_PARTS = 4  # Straight parts that stand for each side of a pixel, which the warp bends.
 CELLS_AT_ONCE = 4096
 """Pixels whose sources are looked up in one go: as much as keeps the arrays within some ten megabytes."""
 
@@ -31,13 +29,8 @@ def foveate(pictures: Pictures, sources: sparse.csr_array) -> Pictures:
 def to_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, radius: str) -> FloatArray:
     """Return where the light at points of a warped picture comes from in the picture as it was drawn.
 
-    What is r from the centre shows what was R expm1((r / R) log1p(s)) / s from it, in the same direction.
-
-    Args:
-        points_px: x and y from the centre, shape (..., 2).
-        size_px: Width and height.
-        strength: The s of the mapping; at 0 nothing is warped.
-        radius: What R reaches to, a key of `RADII`.
+    What is r from the centre shows what was R expm1((r / R) log1p(s)) / s from it, in the same direction, where s is
+    the strength and R what *radius*, a key of `RADII`, reaches to. Points are x and y from the centre, shape (..., 2).
     """
     growth = np.log1p(strength)
     share = RADII[radius](points_px, size_px)[..., None]
@@ -60,13 +53,8 @@ def source_weights(width_px: int, height_px: int, strength: float, radius: str) 
     """Return what each pixel of a warped picture averages of the picture as it was drawn, shape (pixels, pixels).
 
     A pixel's weights are the areas of its preimage within the pixels drawn, as shares of all of it; the rows of pixels
-    that have no source, which stay black, are empty. Pixels count along the rows, from the top left.
-
-    Args:
-        width_px: Of both pictures.
-        height_px: Of both pictures.
-        strength: The s of the mapping, above 0.
-        radius: What R reaches to, a key of `RADII`.
+    that have no source, which stay black, are empty. Pixels count along the rows, from the top left. For *strength*,
+    above 0, and *radius*, see `to_source`.
     """
     size_px, pixels = (width_px, height_px), width_px * height_px
     shown = np.flatnonzero(RADII[radius](_corners(np.arange(pixels), size_px) + 0.5, size_px) <= 1)
@@ -173,22 +161,17 @@ def contrast_gain(width_px: int, height_px: int, fovy_deg: float, acuity_cpd: fl
 def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapping[Direction, float]) -> Pictures:
     """Return 1 where an eye sees and 0 where it does not, shape (height, width).
 
-    Args:
-        width_px: Width of its pictures.
-        height_px: Height of its pictures.
-        fovy_deg: Their vertical field of view.
-        field_deg: How far it sees `left`, `right`, `up` and `down` of its line of sight, in the picture's plane.
+    *field_deg* is how far it sees `left`, `right`, `up` and `down` of its line of sight, in the picture's plane.
     """
     tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
     across, down = ((np.arange(size) + 0.5 - size / 2) * tangent for size in (width_px, height_px))
-    tangents = {side: math.tan(math.radians(min(angle_deg, MOST_DEG))) for side, angle_deg in field_deg.items()}
+    tangents = {side: math.tan(math.radians(min(angle_deg, MAX_DEG))) for side, angle_deg in field_deg.items()}
     left, right, up, low = (tangents.get(side, math.inf) for side in ("left", "right", "up", "down"))
     columns, rows = (across >= -left) & (across <= right), (down >= -up) & (down <= low)
     return (rows[:, None] & columns).astype(np.float32)
 
 
-MOST_DEG = 89.9
-"""Beyond this no plane picture reaches."""
+MAX_DEG = 89.9  # Beyond this no plane picture reaches.
 
 
 def _power_law(frequencies_cpd: FloatArray, acuity_cpd: float) -> FloatArray:

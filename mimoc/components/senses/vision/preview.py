@@ -17,12 +17,9 @@ from mimoc.components.senses.vision.run import perceive_view
 
 FloatArray = npt.NDArray[np.float64]
 
-OWN = ("right_hand", "left_hand", "right_foot", "left_foot")
-"""Bodies that the eye looks at if it sees no toys."""
-DOWN_DEG = 50.0
-"""How far it looks down if it sees none of these either."""
-AHEAD = 0.5
-"""Cosine of 60°, the largest angle from straight ahead at which it looks at something."""
+OWN = ("right_hand", "left_hand", "right_foot", "left_foot")  # Bodies that the eye looks at if it sees no toys.
+DOWN_DEG = 50.0  # How far it looks down if it sees none of these either.
+AHEAD = 0.5  # Cosine of 60°, the largest angle from straight ahead at which it looks at something.
 BLANK_RANGE = 26
 """Of 256 levels, between the least and the most of a channel: a view that has no more is a plain square to the eye.
 
@@ -31,8 +28,7 @@ in rooms with and without toys, gazes of 60 degrees up to 80 down, fields of vie
 their own skin from near by go over 0 to 16 levels, wallpapers and carpets from near by over up to 19; the least of all
 others are 36 (the edge of a shadow), 43 (a horizon), 57 (a panelled ceiling), and hands, feet and toys 60 and more.
 """
-SPLINTERS = 1.0
-"""Per cent of the pixels that do not count, such as a hair or the tip of a finger in a corner."""
+SPLINTERS = 1.0  # Per cent of the pixels that do not count, such as a hair or the tip of a finger in a corner.
 
 
 def preview(

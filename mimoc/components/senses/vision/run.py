@@ -9,10 +9,16 @@ from gymnasium.spaces import Box
 
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.vision import VisionEntry
-from mimoc.components.senses.vision.colours import limit_colours, limits_of
-from mimoc.components.senses.vision.defocus import Lens, defocus
 from mimoc.components.senses.vision.eyes import Drawn, Eyes, View
-from mimoc.components.senses.vision.flicker import fade, filter_of, noticed_share
+from mimoc.components.senses.vision.filters import (
+    Lens,
+    defocus,
+    fade,
+    filter_of,
+    limit_colours,
+    limits_of,
+    noticed_share,
+)
 from mimoc.components.senses.vision.foveation import (
     Pictures,
     blur,
@@ -25,8 +31,7 @@ from mimoc.components.senses.vision.thresholds import NUMPY
 from mimoc.render.renderer import average_down
 from mimoc.runtime.sense import IntArray, Observation, Sample, Sense
 
-Filter = Callable[[Pictures], Pictures]
-"""From pictures to pictures, shape (..., height, width, colours), 0 to 255."""
+Filter = Callable[[Pictures], Pictures]  # From pictures to pictures, shape (..., height, width, colours), 0 to 255.
 
 
 class Vision(Sense):

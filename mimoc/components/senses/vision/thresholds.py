@@ -27,22 +27,18 @@ from mimoc.components.senses.vision import CSF_EXPONENT
 from mimoc.components.senses.vision.foveation import pixels_per_degree
 
 FloatArray = npt.NDArray[np.float64]
-Planes = npt.NDArray[np.float32]
-"""Shape (..., height, width)."""
+Planes = npt.NDArray[np.float32]  # Shape (..., height, width).
 
-LEAST_CPD = 0.1
-"""Below the lowest frequency that infants were tested with, sensitivity is as there."""
+MIN_CPD = 0.1  # Below the lowest frequency that infants were tested with, sensitivity is as there.
 OCTAVES = 1.5
 """Distance of the middles of two bands, and their width at half of their height: as channels of adults, 1 to 2."""
-LEAST_HALF_CYCLES = 4
+MIN_HALF_CYCLES = 4
 """Of the middle of the lowest band, across the picture's shorter side; what is slower has no threshold."""
 GRID_PX, SPARE = 4, 1.5
 """Bands are worked out in pictures that have a multiple of so many pixels either way, and so many for each cosine, as
 the peaks of gratings lie between pixels where these are few."""
-TINY = 1e-6
-"""Added to squares of levels that something is divided by."""
-PRODUCT_PX = 64
-"""Up to this size, cosine transforms are faster as products of matrices."""
+TINY = 1e-6  # Added to squares of levels that something is divided by.
+PRODUCT_PX = 64  # Up to this size, cosine transforms are faster as products of matrices.
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +54,7 @@ class Transform:
 class Bands:
     """What the luminance of a picture is taken apart into."""
 
-    rest: Any
-    """Weights of cosines without threshold, shape (..., height, width)."""
+    rest: Any  # Weights of cosines without threshold, shape (..., height, width).
     bands: tuple[Any, ...]
     """Weights of A and B of each band, from the finest to the coarsest, shape (..., 2, rows, columns)."""
 
@@ -104,7 +99,7 @@ def sensitivity_at(frequencies_cpd: FloatArray, peak: float, peak_cpd: float) ->
         >>> sensitivity_at(np.array([4.0, 40.0]), 250.0, 4.0).round(1).tolist()
         [250.0, 1.0]
     """
-    ratio = np.maximum(frequencies_cpd, LEAST_CPD) / peak_cpd
+    ratio = np.maximum(frequencies_cpd, MIN_CPD) / peak_cpd
     return peak * np.exp(CSF_EXPONENT * (np.log(ratio) + 1 - ratio))
 
 
@@ -114,19 +109,15 @@ def threshold_bands(
 ) -> Bands:
     """Return the bands of pictures for an eye; all arrays are read-only.
 
-    Args:
-        size_px: Width and height.
-        fovy_deg: Vertical field of view.
-        peak: Largest contrast sensitivity.
-        peak_cpd: Frequency of that.
-        acuity_cpd: Finest grating that is seen, in cycles per degree; None is no limit but that of sensitivity.
+    *peak* is the largest contrast sensitivity, at *peak_cpd*. Without *acuity_cpd*, the finest grating that is seen,
+    the only limit is that of sensitivity.
     """
     width, height = size_px
     along = [np.arange(size) / (2 * size) * pixels_per_degree(height, fovy_deg) for size in (height, width)]
     frequencies_cpd = np.hypot(along[0][:, None], along[1])
     half_cycles = frequencies_cpd / pixels_per_degree(height, fovy_deg) * 2 * min(size_px)
     first = np.log2(min(size_px)) - 0.5
-    count = max(1, int((first - np.log2(LEAST_HALF_CYCLES)) / OCTAVES) + 1)
+    count = max(1, int((first - np.log2(MIN_HALF_CYCLES)) / OCTAVES) + 1)
     steps = (np.log2(np.maximum(half_cycles, 1e-9)) - first) / OCTAVES
     weights = [_weight(steps + number) for number in range(count)]
     weights[0][steps > 0] = 1.0

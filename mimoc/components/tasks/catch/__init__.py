@@ -4,7 +4,7 @@ from typing import Literal
 
 from mimoc.schema.entries import Amount, Body, Length, Lengths, Number, Steps
 from mimoc.schema.kinds import TaskKind
-from mimoc.schema.task_base import BallEntry, TaskEntry, TaskSpec
+from mimoc.schema.task import BallEntry, TaskEntry, TaskSpec
 
 
 class CatchSpec(TaskSpec):

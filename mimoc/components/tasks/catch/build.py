@@ -19,8 +19,7 @@ from mimoc.compiler.task_setup import (
 )
 from mimoc.components.tasks.catch import CatchEntry, CatchSpec
 
-STEPS = 800
-"""Of an episode (MIMo)."""
+STEPS = 800  # Of an episode (MIMo).
 OFFERING = {
     "shoulder_ad_ab": -11.0,
     "shoulder_rotation": -16.0,
@@ -42,16 +41,13 @@ SITTING = {
     "hip_bend2": 8.0,
 }
 """The trunk leans forward by 4 to 7 degrees, so that the forearm is level; all but the arm that catches is locked."""
-LOOKING = {"head_tilt": 10.0}
-"""Down, but not so far that the ball would fall on a newborn's head."""
+LOOKING = {"head_tilt": 10.0}  # Down, but not so far that the ball would fall on a newborn's head.
 ALONG_PALM = 0.4
 """Of the place that the ball falls on: from the middle of the palm towards the fingers, in halves of the palm."""
-PALMAR: Mapping[Side, float] = {"right": -1.0, "left": 1.0}
-"""Where the palm looks along the y axis of its hand."""
+PALMAR: Mapping[Side, float] = {"right": -1.0, "left": 1.0}  # Where the palm looks along the y axis of its hand.
 LOWEST, HIGHEST = 1.0, 2.0
 """Of the heights that the ball falls from, over the palm, in lengths of the hand: at 18 months, 10 to 20 cm."""
-LOST = 0.75
-"""How far from the palm the ball is lost, in lengths of the hand: farther than its fingers reach."""
+LOST = 0.75  # How far from the palm the ball is lost, in lengths of the hand: farther than its fingers reach.
 
 
 def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:

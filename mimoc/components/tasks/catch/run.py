@@ -16,13 +16,11 @@ from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.runtime.task import Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
-from mimoc.schema.task_base import BallEntry
+from mimoc.schema.task import BallEntry
 
-SOLID_SPHERE = 2 / 5
-"""Moment of inertia of a solid sphere, by mass and squared radius."""
+SOLID_SPHERE = 2 / 5  # Moment of inertia of a solid sphere, by mass and squared radius.
 
-WORLD = 0
-"""The body that everything hangs on."""
+WORLD = 0  # The body that everything hangs on.
 
 
 class ResizableBall:
@@ -66,8 +64,7 @@ class ResizableBall:
         model.dof_invweight0[self._speeds] = 1 / weights
 
 
-NEITHER, HAND, BALL = -1, 0, 1
-"""What geoms belong to."""
+NEITHER, HAND, BALL = -1, 0, 1  # What geoms belong to.
 
 
 @dataclass(frozen=True)
@@ -79,10 +76,8 @@ class Catch(Term):
 
     palm: int
     ball: int
-    part_of_geom: IntArray
-    """`HAND`, `BALL` or `NEITHER`, shape (ngeom,)."""
-    palm_m: FloatArray
-    """The point that the ball falls onto, in the frame of the palm's body, shape (3,)."""
+    part_of_geom: IntArray  # `HAND`, `BALL` or `NEITHER`, shape (ngeom,).
+    palm_m: FloatArray  # The point that the ball falls onto, in the frame of the palm's body, shape (3,).
     lost_m: float
     held_steps: int
     contact_reward: float

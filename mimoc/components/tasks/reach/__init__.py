@@ -4,7 +4,7 @@ from typing import Literal
 
 from mimoc.schema.entries import Amount, Body, Lengths, Number, Numbers
 from mimoc.schema.kinds import TaskKind
-from mimoc.schema.task_base import BallEntry, GazeEntry, TaskEntry, TaskSpec
+from mimoc.schema.task import BallEntry, GazeEntry, TaskEntry, TaskSpec
 
 
 class ReachSpec(TaskSpec):

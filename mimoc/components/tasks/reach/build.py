@@ -1,23 +1,21 @@
 """The setup of reaching: a ball hangs before an infant that is held upright and looks at it."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from mimoc.base.geometry.rotations import direction
-from mimoc.base.units import deg_to_rad
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import poses_of, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.task_setup import BALL, Side, TaskSetup, ball, joints_of, middle_finger, one_armed, require
 from mimoc.components.tasks.reach import ReachEntry, ReachSpec
 from mimoc.schema.entries import Numbers
-from mimoc.schema.task_base import GazeEntry
+from mimoc.schema.task import GazeEntry
 
-STEPS = 1000
-"""Of an episode (MIMo)."""
-NEAREST, FARTHEST = 0.65, 0.95
-"""Of the places of the ball, in lengths of the arm from shoulder to fingers."""
+STEPS = 1000  # Of an episode (MIMo).
+NEAREST, FARTHEST = 0.65, 0.95  # Of the places of the ball, in lengths of the arm from shoulder to fingers.
 OUTWARD_DEG, INWARD_DEG = 45.0, 30.0
 """How far the ball is to the side of the shoulder: to that of the hand, and to the other."""
 ELEVATION_DEG = (-45.0, 25.0)
@@ -49,7 +47,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     start = resting_state(tree, replace(standing, angles_deg={**standing.angles_deg, **slack}))
     stretched = frames(tree, {})
     arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
-    outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
+    outward, inward = math.radians(OUTWARD_DEG), math.radians(INWARD_DEG)
     # What looks at the ball: the head, then each eye that there is.
     turns = [("robot:head_swivel", "head"), ("robot:head_tilt", "head")]
     turns += [(f"robot:{eye}_{way}", eye) for eye in LOOKERS for way in ("horizontal", "vertical")]
@@ -61,7 +59,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         ball=BALL,
         distance_m=(NEAREST * arm_m, FARTHEST * arm_m),
         azimuth_rad=(-outward, inward) if side == "right" else (-inward, outward),
-        elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
+        elevation_rad=(math.radians(ELEVATION_DEG[0]), math.radians(ELEVATION_DEG[1])),
         box_m=_mimo_box(arm_m, side) if task.ball == "mimo" else None,
         gaze=tuple(GazeEntry(joint=joint, looker=looker) for joint, looker in turns if joint in tree.joints),
         hold_s=HOLD_S if task.goal == "hold" else 0.0,

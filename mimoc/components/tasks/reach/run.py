@@ -23,7 +23,7 @@ from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.runtime.task import Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
-from mimoc.schema.task_base import GazeEntry
+from mimoc.schema.task import GazeEntry
 
 
 @dataclass(frozen=True)
@@ -36,14 +36,10 @@ class Gaze(Term):
         turn = atan2(a · (f x t), f · t - (a · f) (a · t))
     """
 
-    joints: IntArray
-    """Shape (n,), as are all that follow."""
-    angles: IntArray
-    """Where the angles of the joints stand in qpos."""
-    lookers: IntArray
-    """The body that each joint turns."""
-    low: FloatArray
-    """The ranges of the joints, in [rad]."""
+    joints: IntArray  # Shape (n,), as are all that follow.
+    angles: IntArray  # Where the angles of the joints stand in qpos.
+    lookers: IntArray  # The body that each joint turns.
+    low: FloatArray  # The ranges of the joints, in [rad].
     high: FloatArray
 
     def __call__(self, worlds: Worlds, target_m: Any) -> Any:
@@ -95,11 +91,9 @@ def _triple(axes: Any, first: Any, second: Any) -> Any:
     return axes[..., 0] * across[0] + axes[..., 1] * across[1] + axes[..., 2] * across[2]
 
 
-STILL_M = 1e-4
-"""How far a ball that nobody touches may seem to move."""
-GAZE_ROUNDS = 12
-"""Rounds until the gaze reaches the ball at the start: each reduces the error by more than half."""
-MOST_DRAWS = 100
+STILL_M = 1e-4  # How far a ball that nobody touches may seem to move.
+GAZE_ROUNDS = 12  # Rounds until the gaze reaches the ball at the start: each reduces the error by more than half.
+MAX_DRAWS = 100
 """How often a place is drawn at most until the ball touches nothing there; of newborns, who have the shortest arms for
 their chests, one place in nine is within the infant."""
 
@@ -114,15 +108,12 @@ class Reach(Term):
 
     effector: int
     ball: int
-    still_m2: float
-    """How far a ball moves before head and eyes follow it, squared, in [m²]."""
-    moved_m2: float
-    """How far it moves before it counts as touched, squared, in [m²]."""
+    still_m2: float  # How far a ball moves before head and eyes follow it, squared, in [m²].
+    moved_m2: float  # How far it moves before it counts as touched, squared, in [m²].
     success_reward: float
     gaze: Gaze
     near_m: float
-    hold_steps: int
-    """Control steps for which the fingers must be near the ball; 0 if a touch is enough."""
+    hold_steps: int  # Control steps for which the fingers must be near the ball; 0 if a touch is enough.
 
     def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
         """Return the judgement of k infants, whose balls were hung at `start_m`, shape (k, 3), [m]."""
@@ -165,7 +156,7 @@ class ReachTask(Task):
         """Hang the ball somewhere within reach, clear of everything, and look at it."""
         if "held" in self.memory:
             self.remember(held=0.0)
-        for _ in range(MOST_DRAWS):
+        for _ in range(MAX_DRAWS):
             trunk = data.xmat[self._trunk].reshape(3, 3)
             if self._entry.box_m:
                 away_m = np.array([generator.uniform(*ends) for ends in self._entry.box_m])

@@ -1,12 +1,18 @@
 """Turn over, from the back to the belly or the other way."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from mimoc.schema.entries import Body, Number
 from mimoc.schema.kinds import TaskKind
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
+
+if TYPE_CHECKING:
+    from mimoc.body.tree import BodyTree
+    from mimoc.compiler.task_setup import TaskSetup
+
+STEPS = 500  # Of an episode (MIMo).
 
 
 class RolloverSpec(TaskSpec):
@@ -40,11 +46,18 @@ class RolloverEntry(TaskEntry):
     """Discount factor of the shaping potential; it must equal the learner's, or shaping changes the optimal policy."""
 
 
+def build(task: RolloverSpec, tree: "BodyTree") -> "TaskSetup":
+    """Return the setup of `rollover`, which any infant can play: it lies as its scene says."""
+    from mimoc.compiler.task_setup import TaskSetup
+
+    return TaskSetup(RolloverEntry(steps=task.steps or STEPS, hip=tree.bodies[0].name, reward=task.reward or "dense"))
+
+
 KIND = TaskKind(
     name="rollover",
     spec=RolloverSpec,
     entry=RolloverEntry,
-    build="mimoc.components.tasks.rollover.build",
+    build=build,
     run="mimoc.components.tasks.rollover.run",
     scenes=("flat", "crib", "room"),
     poses=("supine", "prone"),

@@ -7,7 +7,7 @@ from pydantic import Field
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Body, Label, Number
 from mimoc.schema.kinds import TaskKind
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
 
 
 class SelfbodySpec(TaskSpec):

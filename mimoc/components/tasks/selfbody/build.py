@@ -8,8 +8,7 @@ from mimoc.compiler.task_setup import Side, TaskSetup, bodies_of, middle_finger,
 from mimoc.components.tasks.selfbody import SelfbodyEntry, SelfbodySpec, TargetEntry
 from mimoc.schema.names import SIDES
 
-STEPS = 500
-"""Of an episode (MIMo)."""
+STEPS = 500  # Of an episode (MIMo).
 OTHER: dict[Side, Side] = {"right": "left", "left": "right"}
 SITTING: Mapping[str, float] = {
     "{side}_hip1": -115,

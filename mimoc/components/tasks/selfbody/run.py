@@ -16,10 +16,8 @@ from mimoc.runtime.task import Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
-GOAL = "goal"
-"""What is remembered and observed: 1 for the part that is to be touched, 0 for all others."""
-NEITHER = -1
-"""What a geom is that belongs neither to a target nor to the hand."""
+GOAL = "goal"  # What is remembered and observed: 1 for the part that is to be touched, 0 for all others.
+NEITHER = -1  # What a geom is that belongs neither to a target nor to the hand.
 
 
 @dataclass(frozen=True)
@@ -31,14 +29,11 @@ class Selfbody(Term):
     """
 
     fingers: int
-    targets: int
-    """How many parts there are."""
+    targets: int  # How many parts there are.
     part_of_geom: IntArray
     """The part that each geom belongs to, the number of parts for those of the hand, or `NEITHER`, shape (ngeom,)."""
-    geoms: IntArray
-    """The geoms that belong to parts, shape (g,)."""
-    parts: IntArray
-    """The parts of these, shape (g,)."""
+    geoms: IntArray  # The geoms that belong to parts, shape (g,).
+    parts: IntArray  # The parts of these, shape (g,).
     success_reward: float
     idle_reward: float
 

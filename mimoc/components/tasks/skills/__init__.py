@@ -14,7 +14,7 @@ from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Body, Count, Label, Number
 from mimoc.schema.kinds import TaskKind
 from mimoc.schema.quantities import Real
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
 
 Measure = Literal[
     "upright", "prone", "supine", "turned", "head_height", "hip_height", "facing", "speed", "near", "in_posture", "kept"

@@ -26,14 +26,11 @@ MEASURES: tuple[str, ...] = get_args(Measure)
 class BodyMeasures(Term):
     """The measures of an infant's body at one moment, and where its hip is on the way."""
 
-    trunk: IntArray
-    """Bodies of hip and chest, shape (2,)."""
+    trunk: IntArray  # Bodies of hip and chest, shape (2,).
     head: int
     forward_axis: int
-    is_left: bool
-    """Whether the way is to the left, not forward."""
-    held: IntArray
-    """Bodies of hand and object, shape (2,), or twice the hip."""
+    is_left: bool  # Whether the way is to the left, not forward.
+    held: IntArray  # Bodies of hand and object, shape (2,), or twice the hip.
     standing_head_m: float
     standing_hip_m: float
     step_s: float
@@ -102,8 +99,7 @@ class Reward(Term):
 class Helper(Term):
     """Forces on a body: pushes from the side, and the hands of a helper that carry some weight for a time."""
 
-    push_steps: FloatArray
-    """Shape (1,)."""
+    push_steps: FloatArray  # Shape (1,).
     support_steps: float
 
     def __call__(self, worlds: Worlds, memory: Any) -> Any:
@@ -128,18 +124,15 @@ class Skill(Term):
     groups: IntArray
     """0 for geoms of the world, 1 for those that must be clear of it, else -1; shape (ngeom,), or empty if none is."""
     effort: Term
-    full: float
-    """Effort of all actuators at full strength."""
+    full: float  # Effort of all actuators at full strength.
     low: FloatArray
-    span: FloatArray
-    """Of commands, shape (n,)."""
+    span: FloatArray  # Of commands, shape (n,).
     kept_steps: float
     way_m: float
     success_weight: float
     effort_weight: float
     change_weight: float
-    helper: tuple[Helper, ...]
-    """None or one."""
+    helper: tuple[Helper, ...]  # None or one.
 
     def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
         """Return the judgement of k infants."""

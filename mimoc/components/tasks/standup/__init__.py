@@ -4,7 +4,7 @@ from typing import Literal
 
 from mimoc.schema.entries import Body, Number
 from mimoc.schema.kinds import TaskKind
-from mimoc.schema.task_base import TaskEntry, TaskSpec
+from mimoc.schema.task import TaskEntry, TaskSpec
 
 
 class StandupSpec(TaskSpec):

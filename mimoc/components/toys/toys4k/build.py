@@ -5,7 +5,7 @@ from functools import cache, partial
 from pathlib import Path
 
 from mimoc.base.errors import ToyError
-from mimoc.compiler.toys.choosing import Toybox
+from mimoc.compiler.toys.placing import Toybox
 from mimoc.compiler.toys.shape import Part, ToyModel
 from mimoc.components.toys.toys4k import dataset
 from mimoc.components.toys.toys4k.cache import MeshCache, key_of

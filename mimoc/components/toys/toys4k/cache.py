@@ -13,11 +13,10 @@ from mimoc.bundle.files import remove_temporary_files, write_file
 from mimoc.compiler.toys.shape import Mesh, Solid
 from mimoc.components.toys.toys4k.cleaning import has_simplifier
 from mimoc.components.toys.toys4k.convex import has_coacd
-from mimoc.components.toys.toys4k.processing import MOST_FACES_SEEN, VERSION, Shape
+from mimoc.components.toys.toys4k.processing import MAX_FACES_SEEN, VERSION, Shape
 
 VARIABLE = "MIMOC_CACHE"
-MOST_BYTES = 2**25
-"""Maximum size of an entry; intact entries are far smaller."""
+MAX_BYTES = 2**25  # Maximum size of an entry; intact entries are far smaller.
 
 
 class MeshCache:
@@ -33,7 +32,7 @@ class MeshCache:
         """Return the shape that was saved as *key*, or None if it is missing or damaged."""
         try:
             path = self._path(key)
-            return _unpacked(path.read_bytes()) if path.stat().st_size <= MOST_BYTES else None
+            return _unpacked(path.read_bytes()) if path.stat().st_size <= MAX_BYTES else None
         except Exception:  # A damaged archive can raise any error; the shape is then processed again.
             return None
 
@@ -91,7 +90,7 @@ def _unpacked(content: bytes) -> Shape | None:
         *(Solid("box", (a, b, c), (x, y, z), (qw, qx, qy, qz)) for a, b, c, x, y, z, qw, qx, qy, qz in boxes.tolist()),
         *(Solid("mesh", (), mesh=mesh) for mesh in hulls),
     ]
-    whole = len(looks.faces) <= MOST_FACES_SEEN and solids and 0 < volume < np.inf
+    whole = len(looks.faces) <= MAX_FACES_SEEN and solids and 0 < volume < np.inf
     return Shape(looks, tuple(solids), float(volume), bool(has_holes)) if whole else None
 
 

@@ -12,23 +12,16 @@ import numpy.typing as npt
 from mimoc.base.errors import ToyError
 from mimoc.compiler.toys.shape import FloatArray, IntArray, Mesh, join
 
-GRID = 2**20 - 1
-"""Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats."""
-LEAST_SIZE = 1e-9
+GRID = 2**20 - 1  # Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats.
+MIN_SIZE = 1e-9
 """Smallest ratio of the longest side to the distance from the origin: below it, only rounding errors are left."""
-LEAST_AREA = 1e-13
-"""Smallest area of a triangle, relative to the square of the longest side."""
+MIN_AREA = 1e-13  # Smallest area of a triangle, relative to the square of the longest side.
 
 
 def clean(vertices: FloatArray, faces: IntArray) -> Mesh:
     """Return a cleaned mesh with its lower corner at the origin, whose longest side is 1.
 
-    Args:
-        vertices: Shape (n, 3), of any scale; may contain values that are not finite.
-        faces: Shape (m, 3), valid indices of vertices.
-
-    Raises:
-        ToyError: If no triangle is left.
+    Vertices are of any scale and may contain values that are not finite. Raises `ToyError` if no triangle is left.
     """
     finite = np.logical_and.reduce(np.isfinite(vertices), axis=1)
     mesh = only_used(vertices, faces[finite[faces].all(axis=1)])
@@ -51,7 +44,7 @@ def tidy(mesh: Mesh) -> Mesh:
     """Return a mesh without degenerate or duplicate triangles, and without unused vertices."""
     from trimesh.grouping import unique_rows
 
-    faces = mesh.faces[_areas(mesh) > LEAST_AREA]
+    faces = mesh.faces[_areas(mesh) > MIN_AREA]
     first, _ = unique_rows(np.sort(faces, axis=1))
     return only_used(mesh.vertices, faces[np.sort(first)])
 
@@ -74,7 +67,7 @@ def _unit(vertices: FloatArray) -> FloatArray:
     shrunk = vertices / reach if reach else vertices
     low = shrunk.min(axis=0)
     size = (shrunk.max(axis=0) - low).max()
-    if size < LEAST_SIZE:
+    if size < MIN_SIZE:
         raise ToyError("has all its vertices at the same point")
     return (shrunk - low) / size
 
@@ -84,10 +77,8 @@ class Surface:
     """A mesh and its shells, which are connected at edges of two triangles."""
 
     mesh: Mesh
-    shells: IntArray
-    """Index of the shell of each face."""
-    closed: npt.NDArray[np.bool_]
-    """Whether the shell of each face is closed: all of its edges have two faces."""
+    shells: IntArray  # Index of the shell of each face.
+    closed: npt.NDArray[np.bool_]  # Whether the shell of each face is closed: all of its edges have two faces.
 
 
 def face_outwards(mesh: Mesh) -> Surface:
@@ -131,10 +122,8 @@ def _volumes(vertices: FloatArray, faces: IntArray, shells: IntArray) -> FloatAr
     return np.bincount(shells, np.einsum("ij,ij->i", np.cross(a, b), c) / 6).astype(float)
 
 
-LARGE = 100_000
-"""Number of faces above which close vertices are merged before edges are collapsed."""
-FINE = (256, 128, 96, 64)
-"""Grid cells along the longest side; vertices in the same cell are merged."""
+LARGE = 100_000  # Number of faces above which close vertices are merged before edges are collapsed.
+FINE = (256, 128, 96, 64)  # Grid cells along the longest side; vertices in the same cell are merged.
 COARSENESS = (0.75, 12)
 """Factor on the number of cells from one attempt at clustering to the next, and number of attempts."""
 

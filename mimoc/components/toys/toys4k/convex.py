@@ -11,20 +11,15 @@ from mimoc.base.geometry.rotations import FloatArray, matrix_from_axis, quaterni
 from mimoc.compiler.toys.shape import IntArray, Mesh, Solid
 from mimoc.components.toys.toys4k.subprocesses import WorkerError, WorkerTimeoutError, run_worker
 
-MOST_PARTS = 10
-MOST_CORNERS = 64
-"""Maximum number of vertices of a part."""
-MOST_FACES = 2000
-"""Maximum number of faces of a mesh that is passed to coacd."""
-LIMIT_S = 30
-"""Limit on coacd's CPU time: it needs 1 s to 10 s."""
-COVER = 0.1
-"""Largest difference between the bounding boxes of all parts and of the mesh, whose longest side is 1."""
+MAX_PARTS = 10
+MAX_CORNERS = 64  # Maximum number of vertices of a part.
+MAX_FACES = 2000  # Maximum number of faces of a mesh that is passed to coacd.
+LIMIT_S = 30  # Limit on coacd's CPU time: it needs 1 s to 10 s.
+COVER = 0.1  # Largest difference between the bounding boxes of all parts and of the mesh, whose longest side is 1.
 THIN = 0.01
 """Smallest thickness, relative to the longest side: a thinner mesh gets a box of this thickness, because its convex
 hull would be dominated by rounding errors or degenerate."""
-LEAST_VOLUME = 1e-6
-"""Smallest volume of a part of a mesh whose longest side is 1: MuJoCo rejects meshes of 1e-15 m³."""
+MIN_VOLUME = 1e-6  # Smallest volume of a part of a mesh whose longest side is 1: MuJoCo rejects meshes of 1e-15 m³.
 
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -41,7 +36,7 @@ def convex_parts(mesh: Mesh, *, simple: bool) -> list[Mesh]:
     """Return convex meshes: the same on every machine, or none at all.
 
     Args:
-        mesh: Mesh of at most `MOST_FACES` faces, whose longest side is 1, and which is not flat.
+        mesh: Mesh of at most `MAX_FACES` faces, whose longest side is 1, and which is not flat.
         simple: Whether it is one closed shell; any other mesh is first converted to one, which rounds its edges.
 
     Raises:
@@ -54,15 +49,15 @@ def convex_parts(mesh: Mesh, *, simple: bool) -> list[Mesh]:
     np.savez(content, vertices=mesh.vertices, faces=mesh.faces)
     preprocessing = "auto" if simple else "on"
     try:
-        result = run_worker("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
+        result = run_worker("decompose", content.getvalue(), preprocessing, MAX_PARTS, MAX_CORNERS, limit_s=LIMIT_S)
     except WorkerTimeoutError as error:
         raise ToyError(f"{error} into convex parts; give it fewer and larger surfaces") from None
     except WorkerError:
         return whole
     corners = np.split(result["corners"], np.cumsum(result["counts"])[:-1])
     parts = [hull(points) for points in corners if np.isfinite(points).all() and not is_thin(points, THIN / 10)]
-    parts = [part for part in parts if part.volume > LEAST_VOLUME]
-    return parts if len(parts) <= MOST_PARTS and _reaches_as_far(parts, mesh) else whole
+    parts = [part for part in parts if part.volume > MIN_VOLUME]
+    return parts if len(parts) <= MAX_PARTS and _reaches_as_far(parts, mesh) else whole
 
 
 def _reaches_as_far(parts: list[Mesh], mesh: Mesh) -> bool:
@@ -73,7 +68,7 @@ def _reaches_as_far(parts: list[Mesh], mesh: Mesh) -> bool:
     return bool(max(np.abs(low).max(), np.abs(high).max()) < COVER)
 
 
-def hull(points: FloatArray, most_corners: int = MOST_CORNERS) -> Mesh:
+def hull(points: FloatArray, most_corners: int = MAX_CORNERS) -> Mesh:
     """Return the convex hull of points that are not coplanar; if it has too many vertices, of the outermost ones."""
     around = _hull(points)
     return around if len(around.vertices) <= most_corners else _hull(_furthest(around.vertices, most_corners))

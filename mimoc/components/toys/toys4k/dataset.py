@@ -10,12 +10,10 @@ from pathlib import Path
 
 from mimoc.base.errors import ToyError, UnknownToysError, suggestion
 
-FORMATS = ("obj", "ply", "glb", "stl")
-"""Supported formats, in order of preference."""
+FORMATS = ("obj", "ply", "glb", "stl")  # Supported formats, in order of preference.
 FOLDER_STRUCTURE = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
 
-MOST_BYTES = 500 * 10**6
-"""Maximum size of a mesh file."""
+MAX_BYTES = 500 * 10**6  # Maximum size of a mesh file.
 
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
 _NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
@@ -26,14 +24,10 @@ _VARIABLE = re.compile(r"\$(\w+|\{[^}]*\})", re.ASCII)
 class Toys4K:
     """The objects in a folder."""
 
-    root: Path
-    """The folder, with symbolic links resolved."""
-    objects: Mapping[str, Path]
-    """Mesh file of each object, sorted by name."""
-    categories: Mapping[str, tuple[str, ...]]
-    """Objects of each category, both sorted."""
-    linked_away: Mapping[str, Path]
-    """Symbolic links to meshes that are not below the root; they are not read."""
+    root: Path  # The folder, with symbolic links resolved.
+    objects: Mapping[str, Path]  # Mesh file of each object, sorted by name.
+    categories: Mapping[str, tuple[str, ...]]  # Objects of each category, both sorted.
+    linked_away: Mapping[str, Path]  # Symbolic links to meshes that are not below the root; they are not read.
 
 
 def expand_root(text: str, spec_folder: Path) -> Path:
@@ -105,13 +99,13 @@ def read_mesh(path: Path, root: Path) -> bytes:
         raise ToyError(f"is a link to a file outside {root}")
     try:
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
-            content = file.read(MOST_BYTES + 1)
+            content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise ToyError(f"cannot be read ({error.strerror})") from None
     if not content:
         raise ToyError("is an empty file")
-    if len(content) > MOST_BYTES:
-        raise ToyError(f"is larger than {MOST_BYTES / 1e6:.0f} MB")
+    if len(content) > MAX_BYTES:
+        raise ToyError(f"is larger than {MAX_BYTES / 1e6:.0f} MB")
     return content
 
 

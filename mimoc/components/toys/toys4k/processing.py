@@ -11,15 +11,12 @@ from mimoc.base.errors import ToyError
 from mimoc.base.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
 from mimoc.compiler.toys.shape import Mesh, Solid, centre_of, join
 from mimoc.components.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used
-from mimoc.components.toys.toys4k.convex import MOST_FACES, MOST_PARTS, box_of, convex_parts, hull, is_thin, thin_box
+from mimoc.components.toys.toys4k.convex import MAX_FACES, MAX_PARTS, box_of, convex_parts, hull, is_thin, thin_box
 from mimoc.components.toys.toys4k.subprocesses import WorkerError, run_worker
 
-STEADY_DEG = 5.0
-"""Smallest angle at which an object tips over for a pose to count as stable."""
-NEAR_DEG = 20.0
-"""Largest rotation from the upright pose of the file to a pose on its nearest side."""
-FLAT_DEG = 2.0
-"""Sides whose normals differ by less count as one: the difference is due to rounding."""
+STEADY_DEG = 5.0  # Smallest angle at which an object tips over for a pose to count as stable.
+NEAR_DEG = 20.0  # Largest rotation from the upright pose of the file to a pose on its nearest side.
+FLAT_DEG = 2.0  # Sides whose normals differ by less count as one: the difference is due to rounding.
 TOPS = {"obj": "y", "glb": "y", "ply": "z", "stl": "z"}
 """Up axis by file format: glTF requires y and Blender writes it to .obj by default; to .ply and .stl it writes z."""
 _UPRIGHT: dict[str, FloatArray] = {"y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), "z": np.eye(3)}
@@ -81,15 +78,14 @@ def _turn_down(normal: FloatArray) -> FloatArray:
     return matrix_from_quaternion(quaternion_between(normal, np.array([0.0, 0.0, -1.0])))
 
 
-VERSION = 3
-"""Version of the processing, incremented with each change of its results."""
-MOST_FACES_SEEN = 5000
-MOST_FACES_READ = 4_000_000
+VERSION = 3  # Version of the processing, incremented with each change of its results.
+MAX_FACES_SEEN = 5000
+MAX_FACES_READ = 4_000_000
 READING_LIMIT_S = 90
-MOST_SHELLS, LEAST_FACES = 100, 8
+MAX_SHELLS, MIN_FACES = 100, 8
 """A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes: only its
 hull is used."""
-LEAST_FILLED = 0.05
+MIN_FILLED = 0.05
 """Smallest volume of a closed mesh, relative to that of its convex parts: below it, the mesh is a thin shell."""
 
 
@@ -100,8 +96,7 @@ class Shape:
     looks: Mesh
     solids: tuple[Solid, ...]
     volume: float
-    has_holes: bool = False
-    """Whether it has shells that are not closed, so that these collide as their convex hull."""
+    has_holes: bool = False  # Whether it has shells that are not closed, so that these collide as their convex hull.
 
 
 def process(content: bytes, kind: str) -> Shape:
@@ -113,7 +108,7 @@ def process(content: bytes, kind: str) -> Shape:
         ToyError: If it cannot be used; the message is a predicate without its subject, the mesh.
     """
     try:
-        arrays = run_worker("read", content, kind, MOST_FACES_READ, limit_s=READING_LIMIT_S)
+        arrays = run_worker("read", content, kind, MAX_FACES_READ, limit_s=READING_LIMIT_S)
     except WorkerError as error:
         raise ToyError(str(error)) from None
     surface = face_outwards(clean(arrays["vertices"], arrays["faces"]))
@@ -122,10 +117,10 @@ def process(content: bytes, kind: str) -> Shape:
     flat = is_thin(looks.vertices)
     if flat:
         parts = [thin_box(looks.vertices)]
-    elif (shells := surface.shells.max() + 1) > MOST_SHELLS and len(surface.mesh.faces) < LEAST_FACES * shells:
-        parts = [hull(decimate(once, MOST_FACES).vertices)]
+    elif (shells := surface.shells.max() + 1) > MAX_SHELLS and len(surface.mesh.faces) < MIN_FACES * shells:
+        parts = [hull(decimate(once, MAX_FACES).vertices)]
     elif whole:
-        parts = convex_parts(decimate(once, MOST_FACES), simple=not surface.shells.any())
+        parts = convex_parts(decimate(once, MAX_FACES), simple=not surface.shells.any())
     else:
         parts = _parts_with_holes(surface)
     volume = _volume(surface.mesh if whole else None, parts)
@@ -148,20 +143,20 @@ def _parts_with_holes(surface: Surface) -> list[Mesh]:
     A surface with holes has no inside, so that coacd would take minutes to divide the two sides of its wall.
     """
     mesh, closed = surface.mesh, surface.closed
-    torn, whole = (decimate(only_used(mesh.vertices, mesh.faces[which]), MOST_FACES) for which in (~closed, closed))
+    torn, whole = (decimate(only_used(mesh.vertices, mesh.faces[which]), MAX_FACES) for which in (~closed, closed))
     parts = [thin_box(torn.vertices) if is_thin(torn.vertices) else hull(torn.vertices)]
     if len(whole.faces) and not is_thin(whole.vertices):
         parts += convex_parts(whole, simple=len(np.unique(surface.shells[closed])) == 1)
     elif len(whole.faces):
         parts.append(thin_box(whole.vertices))
-    return parts if len(parts) <= MOST_PARTS else [hull(np.concatenate([torn.vertices, whole.vertices]))]
+    return parts if len(parts) <= MAX_PARTS else [hull(np.concatenate([torn.vertices, whole.vertices]))]
 
 
 def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
     """Return a decimated mesh, and a copy of it whose open shells are visible from both sides."""
     mesh = surface.mesh
     whole, torn = (only_used(mesh.vertices, mesh.faces[which]) for which in (surface.closed, ~surface.closed))
-    share = MOST_FACES_SEEN / max(len(whole.faces) + 2 * len(torn.faces), MOST_FACES_SEEN)
+    share = MAX_FACES_SEEN / max(len(whole.faces) + 2 * len(torn.faces), MAX_FACES_SEEN)
     whole, torn = (decimate(part, max(int(len(part.faces) * share), 1)) for part in (whole, torn))
     return join([whole, torn]), join([whole, from_both_sides(torn)])
 
@@ -170,7 +165,7 @@ def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
     """Return the volume of a closed mesh, or of its convex parts if the mesh is open, a thin shell or overlapping."""
     of_parts = math.fsum(part.volume for part in parts)
     within = closed.volume if closed else 0.0
-    return min(within, of_parts) if within >= LEAST_FILLED * of_parts else of_parts
+    return min(within, of_parts) if within >= MIN_FILLED * of_parts else of_parts
 
 
 def _rotation(parts: Sequence[Mesh], top: str) -> FloatArray:

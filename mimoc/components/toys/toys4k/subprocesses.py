@@ -12,10 +12,8 @@ import numpy.typing as npt
 
 from mimoc.components.toys.toys4k import worker
 
-MEMORY_BYTES = 12 * 2**30
-"""Address space; far less is used, but libraries with threads reserve much."""
-WALL_TIME_FACTOR = 4
-"""Limit on the wall time of a task, as a multiple of its limit on CPU time."""
+MEMORY_BYTES = 12 * 2**30  # Address space; far less is used, but libraries with threads reserve much.
+WALL_TIME_FACTOR = 4  # Limit on the wall time of a task, as a multiple of its limit on CPU time.
 OUT_OF_TIME = {-24, -9}
 """Return codes of a process that ran out of CPU time: SIGXCPU, and SIGKILL where both limits are the same."""
 

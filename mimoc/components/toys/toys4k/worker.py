@@ -14,8 +14,7 @@ import numpy as np
 
 Arrays = dict[str, np.ndarray]
 
-REFUSED = 3
-"""Exit status if the standard error output is a message for the user."""
+REFUSED = 3  # Exit status if the standard error output is a message for the user.
 
 
 class RefusedError(Exception):

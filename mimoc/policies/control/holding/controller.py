@@ -10,7 +10,8 @@ filters.
 """
 
 import copy
-from collections.abc import Collection
+from collections import deque
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,11 +22,12 @@ import numpy.typing as npt
 from mimoc.base.mujoco_layout import TIME_CONSTANT, AffineBias
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.bundle.model import in_subtrees
-from mimoc.policies.control.holding.driven import DrivenInfant
+from mimoc.policies.control.holding.postures import DrivenInfant
+from mimoc.runtime.delays.signals import Timing, within
 from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.schema.senses import MOTOR
 
-LEAST_NM = 1e-9
-"""Torque at full activation below which an actuator counts as powerless."""
+LEAST_NM = 1e-9  # Torque at full activation below which an actuator counts as powerless.
 
 
 class DelayedMotors:
@@ -196,15 +198,11 @@ class _Loads:
     """Hinges whose loads the motors carry: the driven ones, and those that a tendon couples to one of them."""
 
     joints: IntArray
-    slots: IntArray
-    """Index of the driven hinge that carries the load of each."""
-    ratios: FloatArray
-    """Rotation of each by that of its driven hinge."""
-    bodies: IntArray
-    """The body that each moves."""
+    slots: IntArray  # Index of the driven hinge that carries the load of each.
+    ratios: FloatArray  # Rotation of each by that of its driven hinge.
+    bodies: IntArray  # The body that each moves.
     dofs: IntArray
-    weights_n: FloatArray
-    """Weight of what hangs on each."""
+    weights_n: FloatArray  # Weight of what hangs on each.
 
 
 def _loads(infant: DrivenInfant) -> _Loads:
@@ -249,3 +247,137 @@ def _about(model: mujoco.MjModel, data: mujoco.MjData, joint: int, bodies: np.nd
     along = np.einsum("bij,i->bj", data.ximat[bodies].reshape(-1, 3, 3), axis)
     turning = np.sum(model.body_inertia[bodies] * along**2) + model.body_mass[bodies] @ np.sum(across_m**2, axis=1)
     return float(turning + model.dof_armature[model.jnt_dofadr[joint]])
+
+
+@dataclass(frozen=True, slots=True)
+class LateGroup:
+    """Those of the commanded actuators whose commands have one delay."""
+
+    begin: int  # The physics step from now in which a command sent now begins to act.
+    end: int  # The one in which the next begins to.
+    commands: IntArray  # Indices among all m commands.
+    actuators: IntArray  # Indices in the model.
+
+
+class LateCommands:
+    """The commands that were sent to m actuators and do not act yet.
+
+    A command is kept for a control step, and acts after the delay of its own actuator:
+
+        arms  |-- delay --|==== sent now ====|
+        legs  |-------- delay --------|==== sent now ====|
+             now                          time ->
+    """
+
+    def __init__(self, model: mujoco.MjModel, actuators: IntArray, timing: Timing):
+        moved = model.jnt_bodyid[model.actuator_trnid[actuators, 0]]
+        self.control_steps = timing.period
+        self.delay_steps = timing.delay_steps(MOTOR, within(model, moved), len(actuators))
+        """Physics steps after which commands act, shape (m,)."""
+        self.groups = dict[int, LateGroup]()
+        """By the physics step in which they begin, the earliest first."""
+        for delay in np.unique(self.delay_steps).tolist():
+            which = np.flatnonzero(self.delay_steps == delay).astype(np.intp)
+            self.groups[delay] = LateGroup(delay, delay + self.control_steps, which, actuators[which])
+        self.last = max(self.groups, default=0)
+        """The longest delay."""
+        self._sent: deque[FloatArray] = deque(maxlen=self.last // self.control_steps + 1)
+
+    def send(self, commands: FloatArray) -> None:
+        """Add the commands of a control step, shape (m,)."""
+        self._sent.append(commands)
+
+    def hold(self, commands: FloatArray) -> None:
+        """Take commands, shape (m,), to be all that is on its way."""
+        self._sent.extend([commands] * (self._sent.maxlen or 0))
+
+    def forget(self) -> None:
+        """Begin an episode, in which actuators keep their controls until the first command acts."""
+        self._sent.clear()
+
+    def arrive(self, group: LateGroup, step: int, controls: FloatArray) -> None:
+        """Write commands into controls, shape (nu,), if some of a group, sent before now, begin to act in a step."""
+        ago, since = divmod(group.begin - step, self.control_steps)  # In control steps, and in physics steps.
+        if step and since:
+            return  # It acts already.
+        ago += since > 0
+        if ago <= len(self._sent):
+            controls[group.actuators] = self._sent[-ago][group.commands]
+
+
+Propose = Callable[[mujoco.MjData, IntArray], FloatArray]
+"""From a state with all that is derived from it, and some of the driven hinges, to the angle that each hinge is to go
+to, shape (n,); those of hinges that were not asked for are not used."""
+
+
+class Rehearsal:
+    """Finds the commands of a control step with a forward model, for each joint over its own delay.
+
+    In a copy of the state, each actuator first obeys the commands that were sent to it before, and the controller from
+    when a command sent now acts (`LateCommands`). The mean of what the controller does in the control step that begins
+    then is sent; what it does of the arms after that is not sent, but predicted for the legs, whose delay is longer.
+
+    So a posture is held as well with control steps of 20 ms as with one command for each physics step, and the delay of
+    the legs makes no arm act too early or too late.
+    """
+
+    def __init__(self, infant: DrivenInfant, gains: Servo, actuators: IntArray, timing: Timing):
+        """Prepare a copy of the infant and its world; actuators but the m given ones keep their controls."""
+        model = infant.model
+        self._model, self._ahead, self._actuators = model, mujoco.MjData(model), actuators
+        self._control = Controller(infant, gains, model.opt.timestep)
+        self._late = LateCommands(model, actuators, timing)
+        self._all_hinges = np.arange(len(infant.joints))
+        self._hinges = infant.slots_of(actuators)
+        is_halved = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
+        self._finish_step = mujoco.mj_step2 if is_halved else mujoco.mj_step
+        """Makes a physics step from where all but new controls has been computed."""
+
+    @property
+    def delay_steps(self) -> IntArray:
+        """Physics steps after which commands act, shape (m,)."""
+        return self._late.delay_steps
+
+    def hold(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
+        """Return the commands that keep hinges at angles, shape (m,), and take them to be on their way already."""
+        ahead = self._copied(data)
+        mujoco.mj_forward(self._model, ahead)
+        held = self._control(ahead, target_rad)[self._actuators]
+        self._late.hold(held)
+        return held
+
+    def __call__(self, data: mujoco.MjData, propose: Propose) -> FloatArray:
+        """Return the commands to send now, shape (m,).
+
+        *propose*, which says where hinges go, is asked once for each delay, in the state in which the commands with
+        that delay begin to act: the first time for all hinges, later for those alone.
+        """
+        ahead, late, total = self._copied(data), self._late, np.zeros(len(self._actuators))
+        advance, target_rad = mujoco.mj_step, np.empty(0)
+        for step in range(late.last + late.control_steps):
+            if step:
+                advance(self._model, ahead)
+                advance = mujoco.mj_step
+            if beginning := late.groups.get(step):
+                advance, hinges = self._finish_step, self._hinges[beginning.commands]
+                mujoco.mj_forward(self._model, ahead)
+                if target_rad.size:
+                    target_rad[hinges] = propose(ahead, hinges)[hinges]
+                else:
+                    target_rad = propose(ahead, self._all_hinges).copy()
+            controls = self._control(ahead, target_rad) if target_rad.size else ahead.ctrl
+            for group in late.groups.values():
+                if step < group.begin:
+                    late.arrive(group, step, ahead.ctrl)
+                    continue
+                ahead.ctrl[group.actuators] = controls[group.actuators]
+                if step < group.end:
+                    total[group.commands] += controls[group.actuators]
+        late.send(commands := total / late.control_steps)
+        return commands
+
+    def _copied(self, data: mujoco.MjData) -> mujoco.MjData:
+        ahead = self._ahead
+        ahead.qpos[:], ahead.qvel[:], ahead.act[:] = data.qpos, data.qvel, data.act
+        ahead.ctrl[:], ahead.qacc_warmstart[:] = data.ctrl, data.qacc_warmstart
+        return ahead

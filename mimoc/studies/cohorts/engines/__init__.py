@@ -62,7 +62,7 @@ class RefusedError(MimocError):
 
 
 class Cluster(Protocol):
-    """What does tasks."""
+    """A cluster that does tasks."""
 
     @property
     def room(self) -> int:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from mimoc.base.geometry.spherical_head import SOUND_M_S, interaural_time_s
-from mimoc.components.senses.hearing.mixing import MOST, Mixer, Source
-from mimoc.components.senses.hearing.timbres import Head, Timbre
+from mimoc.components.senses.hearing.listener import MAX_SOURCES, Mixer, Source
+from mimoc.components.senses.hearing.sounds import Head, Timbre
 
 RATE_HZ = 24_000.0
 CENTRE_M = np.array([0.0, 0.0, 0.05])
@@ -111,8 +111,8 @@ def test_sounds_add_up_end_and_are_at_most_so_many():
     assert mixer.mix(world(), 0, 1000) == pytest.approx(apart, rel=1e-5, abs=1e-6)
     mixer.mix(world(), 1000, 1000)
     assert mixer.sources == []
-    mixer.add([source(NOISE, start=2000, gain=float(gain)) for gain in range(2 * MOST)])
-    assert [kept.gain for kept in mixer.sources] == list(range(MOST, 2 * MOST))
+    mixer.add([source(NOISE, start=2000, gain=float(gain)) for gain in range(2 * MAX_SOURCES)])
+    assert [kept.gain for kept in mixer.sources] == list(range(MAX_SOURCES, 2 * MAX_SOURCES))
 
 
 def test_a_source_on_the_left_is_louder_on_the_left_at_high_frequencies_only():

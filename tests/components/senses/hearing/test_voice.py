@@ -11,9 +11,8 @@ from support import store
 import mimoc
 from mimoc.compiler.explain import explain
 from mimoc.policies.named import policy_of
-from mimoc.runtime.voice import Voice
-from mimoc.schema.components.policies import POLICIES
-from mimoc.schema.components.tasks import TASKS
+from mimoc.runtime.sound import Voice
+from mimoc.schema.kinds import POLICIES, TASKS
 
 WAVE = {"hearing": {"output": "waveform", "thresholds": "off"}}
 

@@ -19,7 +19,7 @@ from mimoc.schema.names import SIDES
 
 BELLY = "cb"
 HEELS = {"left_foot1", "right_foot1"}
-HANDS = ("mitten", "five_finger")
+BELLY_HANDS = ("mitten", "five_finger")
 AGES_MONTHS = (0, 2, 6, 12, 18, 24)
 BALL_RADIUS_M, BALL_MASS_KG = 0.03, 0.05
 BALL = """
@@ -27,7 +27,7 @@ BALL = """
 """
 SETTLED, COUNTED = 60, 40
 """Physics steps after which a ball has come to rest, and over which what it presses with is averaged."""
-CHILDREN = [(age, hands) for age in (0, 9, 24) for hands in HANDS]
+CHILDREN = [(age, hands) for age in (0, 9, 24) for hands in BELLY_HANDS]
 
 
 def bundle_of(age_months: float, hands: str, **keys) -> mimoc.Bundle:
@@ -91,7 +91,7 @@ def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_sensed(age_months, hands
     assert sensed_n == pytest.approx(pressed_n, rel=0.01)
 
 
-@pytest.mark.parametrize("hands", HANDS)
+@pytest.mark.parametrize("hands", BELLY_HANDS)
 @pytest.mark.parametrize("chest_joint", [False, True])
 @pytest.mark.parametrize("ages_months", full_but([AGES_MONTHS[::8]], [AGES_MONTHS]), ids=["few", "all"])
 def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle_at, ages_months):
@@ -112,7 +112,7 @@ def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle
             assert all(contact.dist > -DEPTH_M for contact in own), (age_months, pose)
 
 
-@pytest.mark.parametrize("hands", HANDS)
+@pytest.mark.parametrize("hands", BELLY_HANDS)
 @pytest.mark.parametrize("chest_joint", [False, True])
 def test_an_infant_that_lies_rests_on_its_trunk(hands, chest_joint, bundle_at):
     """On its belly on the upper, on its back on the lower end, once the few points give way that it is laid down on."""

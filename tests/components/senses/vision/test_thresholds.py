@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 from scipy import fft
 
 from mimoc.components.senses.vision import VisionEntry, VisionSpec, thresholds
-from mimoc.components.senses.vision.build_maturity import maturity_of
+from mimoc.components.senses.vision.build import maturity_of
 from mimoc.components.senses.vision.foveation import pixels_per_degree
 from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.components.senses.vision.thresholds import NUMPY, above_threshold, sensitivity_at, threshold_bands

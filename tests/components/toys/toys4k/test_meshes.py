@@ -228,13 +228,13 @@ def test_hundreds_of_thousands_of_faces_keep_their_shape(load):
 
 
 def test_too_many_faces_are_an_error(load, monkeypatch):
-    monkeypatch.setattr(processing, "MOST_FACES_READ", 10)
+    monkeypatch.setattr(processing, "MAX_FACES_READ", 10)
     with pytest.raises(ToyError, match="has 12 triangles, more than the limit of 10"):
         load(mesh_kinds.box())
 
 
 def test_too_large_a_file_is_an_error(load, monkeypatch):
-    monkeypatch.setattr(dataset, "MOST_BYTES", 10)
+    monkeypatch.setattr(dataset, "MAX_BYTES", 10)
     with pytest.raises(ToyError, match="is larger than 0 MB"):
         load(mesh_kinds.box())
 

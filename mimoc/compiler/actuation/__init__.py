@@ -1,1 +1,0 @@
-"""What all actuation models share when an infant is built."""

@@ -1,1 +1,0 @@
-"""The body of a caregiver, built from its section of the spec."""

@@ -1,1 +1,0 @@
-"""Delays of an infant's signals, from their presets."""

@@ -1,1 +1,0 @@
-"""What all kinds of scenes share when a world is built."""

@@ -1,1 +1,0 @@
-"""Two antagonistic muscles for each joint."""

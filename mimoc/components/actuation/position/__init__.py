@@ -1,1 +1,0 @@
-"""Servos that hold a commanded angle with the strength of muscles."""

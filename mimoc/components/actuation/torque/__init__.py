@@ -1,1 +1,0 @@
-"""Torque on a spring and damper at each joint."""

@@ -1,1 +1,0 @@
-"""Companions: what acts in an infant's world besides the infant."""

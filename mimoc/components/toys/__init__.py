@@ -1,1 +1,0 @@
-"""Sources of toys, each in its own module or folder."""

@@ -1,1 +1,0 @@
-"""Noise of the commands and the senses, and jitter of their delays."""

@@ -1,1 +1,0 @@
-"""Comparisons of the compiled infant with what is known of children."""
