@@ -30,7 +30,7 @@ PYTHONS = os.environ.get("PYTHONS", "3.11 3.12 3.13").split()
 MUJOCOS = os.environ.get("MUJOCOS", "3.5 3.8 3.11 3.14 3.17").split()
 LIGHT_EXTRAS = ("report", "toys", "record", "minari", "slurm", "live")
 """Extras that are small enough to be tried in their oldest versions."""
-QUICK_TESTS = ("tests/fits", "tests/schema", "tests/test_bad_specs.py", "tests/cli", "tests/test_same_bytes.py")
+QUICK_TESTS = ("tests/fits", "tests/schema", "tests/test_errors.py", "tests/cli", "tests/test_same_bytes.py")
 WITHOUT_TRAINING = ("--ignore", "tests/cli/test_help.py", "-k", "not train", "-m", "not slow")
 """What needs PyTorch is left out."""
 MACHINES = (

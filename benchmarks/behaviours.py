@@ -18,8 +18,7 @@ from mimoc.policies.rollout import Run
 
 AGES = (0, 3, 6, 9, 12, 18)
 STEPS = 1000
-GAZE_DEG = 5.0
-"""Median error of the gaze up to which an infant looks at something (a choice)."""
+GAZE_DEG = 5.0  # Median error of the gaze up to which an infant looks at something (a choice).
 ROWS = {
     "hold": ("hold", "sitting"),
     "sit": ("sit", "sitting"),

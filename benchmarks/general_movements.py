@@ -16,11 +16,16 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.motion.reading import read_points
-from mimoc.movement.classifier import told_apart, windows_of
 from mimoc.movement.filming import Filmed, film_policy
-from mimoc.movement.real_infants import real_infants, told_from_real
 from mimoc.movement.report import measure_all
-from mimoc.movement.sample import distance, standard_scores
+from mimoc.movement.sample import (
+    accuracy_against_real,
+    balanced_accuracy,
+    distance,
+    real_infants,
+    standard_scores,
+    windows_of,
+)
 from mimoc.schema.infant import InfantSpec
 
 BY_AGE = (
@@ -68,11 +73,11 @@ def print_beside_real(films: Sequence[Filmed], folder: Path | None) -> None:
     print(f"distance of the means over seeds: {distance(means, sample):.2f}")
     print(f"distances of the seeds: median {np.median(distances):.2f}, {distances[0]:.2f} to {distances[-1]:.2f}")
     windows = windows_of([film.seen for film in films])
-    about, spread = told_from_real(windows, np.random.default_rng(0))
+    about, spread = accuracy_against_real(windows, np.random.default_rng(0))
     print(f"told from infants drawn from the real ones' aggregates: {about:.2f} ± {spread:.2f}")
     if folder:
         real = windows_of([read_points(path, rate_hz=30) for path in sorted(folder.glob("1[01][0-9].csv"))])
-        print(f"told from the real infants: {told_apart(real, windows):.3f}")
+        print(f"told from the real infants: {balanced_accuracy(real, windows):.3f}")
 
 
 def print_ages(ages_months: Sequence[float], films: Sequence[Sequence[Filmed]]) -> None:

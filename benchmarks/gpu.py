@@ -23,8 +23,7 @@ SENSES = {
     "both eyes": {"proprioception": {}, "vestibular": {}, "vision": {}},
 }
 WARM_UP = 3
-KERNELS = 15
-"""How many of the slowest kernels a profile shows."""
+KERNELS = 15  # How many of the slowest kernels a profile shows.
 
 
 def bundles(hands: str, senses: str) -> list[mimoc.Bundle]:

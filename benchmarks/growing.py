@@ -23,8 +23,7 @@ from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.compiler.variants import SpecVariants
 
 STAGE_MONTHS = 0.25
-STEPS_BETWEEN = 5
-"""Control steps with random commands between two stages of growth."""
+STEPS_BETWEEN = 5  # Control steps with random commands between two stages of growth.
 SENSES = {"proprioception": {}, "vestibular": {}}
 
 

@@ -27,14 +27,10 @@ from mimoc.cli.console import progress
 from mimoc.compiler.variants import SpecVariants
 
 STAGE_MONTHS = 0.25
-STEPS_BETWEEN = 5
-"""Control steps with random commands before each growth."""
-STEPS_AFTER = 20
-"""Control steps after the last growth."""
-DEEPEST_M = 2e-4
-"""Wanted just after growth."""
-FAILURES_SHOWN = 5
-"""Most failures that are listed for each infant."""
+STEPS_BETWEEN = 5  # Control steps with random commands before each growth.
+STEPS_AFTER = 20  # Control steps after the last growth.
+DEEPEST_M = 2e-4  # Wanted just after growth.
+FAILURES_SHOWN = 5  # Most failures that are listed for each infant.
 HANDS = ("mitten", "five_finger")
 DEVELOPMENT = ("maturing", "published")
 ACTUATION = ("torque", "muscle", "position")
@@ -49,8 +45,7 @@ SCENES: dict[str, dict[str, Any]] = {
 class Tally:
     """What became of the infants of one kind."""
 
-    depths_m: list[float] = field(default_factory=list)
-    """Deepest penetration of each just after it has grown."""
+    depths_m: list[float] = field(default_factory=list)  # Deepest penetration of each just after it has grown.
     largest_j: float = -np.inf
     failures: list[str] = field(default_factory=list)
 

@@ -28,8 +28,7 @@ SHARE, BURST_S, TURN_S = 0.8, 0.35, 0.9
 SIDES = ("left", "right", "left", "right")
 QUIET_S = 2.0
 FPS, WIDTH, HEIGHT, COLOURS = 15, 320, 210, 160
-SIDE: View = (-106.0, -24.0)
-"""From the left of an infant, a little towards its feet and above it."""
+SIDE: View = (-106.0, -24.0)  # From the left of an infant, a little towards its feet and above it.
 AGES, TIMES = ("newborn", "three months"), ("before", "after")
 
 

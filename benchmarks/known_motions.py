@@ -9,15 +9,14 @@ import numpy.typing as npt
 from scipy.signal import butter, sosfiltfilt
 
 from mimoc.bundle.model import load_model
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build
 from mimoc.motion.body_points import film, locate
 from mimoc.motion.labels import MINI_RGBD_POINTS, POINTS
 from mimoc.motion.point_recording import PointRecording
 from mimoc.schema.infant import InfantSpec
 
 FloatArray = npt.NDArray[np.float64]
-SINK_M = 0.003
-"""Penetration of floor or body that known motions stay below."""
+SINK_M = 0.003  # Penetration of floor or body that known motions stay below.
 MEAN_DEG = {
     "shoulder_horizontal": 15,
     "shoulder_ad_ab": 45,
@@ -56,8 +55,7 @@ BODIES = {
     **{f"{side}_leg": (f"{side}_upper_leg",) for side in ("left", "right")},
     "head": ("head",),
 }
-LIFT_DEG = {"shoulder_horizontal": 20.0, "hip1": -15.0}
-"""Turns that lift limbs at rest off the floor."""
+LIFT_DEG = {"shoulder_horizontal": 20.0, "hip1": -15.0}  # Turns that lift limbs at rest off the floor.
 SHARES = (1.0, 1.0, 1.0, 0.85, 0.85, 0.7, 0.7, 0.55, 0.4, 0.25, 0.1, 0.0)
 """Amplitudes of a limb that are tried, away from rest, until it touches nothing."""
 ALL_POINTS = tuple(

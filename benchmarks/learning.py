@@ -16,15 +16,14 @@ from statistics import fmean, median
 import mimoc
 from mimoc.bundle.files import write_file
 from mimoc.cli.console import progress
-from mimoc.render.plots.file import encode
-from mimoc.render.plots.plot import learning_sheet
+from mimoc.render.plots import encode, learning_sheet
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.studies.notebook import markdown_table, open_notebook
-from mimoc.training import Curve, Episode
+from mimoc.training import Curve
 
 CONFIG = "configs/reach.yaml"
 RUNS = Path("runs/learning")
-FIRST_BALL = 1000
-"""Seed of the first ball, which is not the seed of any training run."""
+FIRST_BALL = 1000  # Seed of the first ball, which is not the seed of any training run.
 
 ABOUT = """\
 The average child of 18 months, held upright, learns with PPO to touch a ball with its right hand (`{config}`),
@@ -44,7 +43,7 @@ class Result:
     """The performance of a policy."""
 
     name: str
-    episodes: list[Episode]
+    episodes: list[EpisodeResult]
 
     def row(self) -> tuple[str, ...]:
         """Return its row of the table."""
@@ -86,7 +85,7 @@ def trained(bundle: mimoc.Bundle, steps: int, seeds: int) -> Iterator[tuple[int,
             yield seed, mimoc.train(bundle, RUNS / f"seed_{seed}", steps=steps, seed=seed, progress=show)
 
 
-def evaluated(bundle: mimoc.Bundle, policy, episodes: int) -> list[Episode]:
+def evaluated(bundle: mimoc.Bundle, policy, episodes: int) -> list[EpisodeResult]:
     with closing(mimoc.InfantEnv(bundle)) as env:
         return mimoc.evaluate(env, policy, episodes, seed=FIRST_BALL)
 

@@ -45,8 +45,7 @@ from mimoc.studies.growth import Stature, compare_with_who, measure_compiled
 
 FOLDER = Path(__file__).parent
 AGES_MONTHS = (0, 1, 2, 4, 6, 9, 12, 18, 24)
-Ask = Callable[..., Any]
-"""Sends a request to MIMo 3's side and returns its answer."""
+Ask = Callable[..., Any]  # Sends a request to MIMo 3's side and returns its answer.
 
 
 def main() -> None:

@@ -22,8 +22,7 @@ from mimoc.motion.body_points import locate
 from mimoc.motion.read_mini_rgbd import JOINTS, POINTS
 from mimoc.movement.retargeting.observations import camera_from_world
 
-MOST_M = 20.0
-"""Distances from the camera above are in millimetres."""
+MOST_M = 20.0  # Distances from the camera above are in millimetres.
 WAYS = "as it is", "hips aligned", "Procrustes"
 
 

@@ -24,7 +24,7 @@ from support import filmed
 from mimoc.motion.body_points import film
 from mimoc.motion.labels import MINI_RGBD_POINTS
 from mimoc.motion.point_recording import PointRecording
-from mimoc.motion.reading import write_mini_rgbd, write_points
+from mimoc.motion.reading import write_points
 
 RATE_HZ = 30
 
@@ -55,7 +55,7 @@ def written(folder: Path, frames: int) -> dict[str, Path]:
         "OpenPose, two persons": filmed.write_openpose(seen, folder / "two", (shrunk(seen),)),
         "COCO-17, JSON folder": filmed.write_coco(seen, folder / "coco"),
         "COCO-17, one file": filmed.write_coco(seen, folder / "coco.json"),
-        "MINI-RGBD, 2D and depth, 14 points": write_mini_rgbd(deep(frames), folder / "mini") / "joints_2Ddep",
+        "MINI-RGBD, 2D and depth, 14 points": filmed.write_mini_rgbd(deep(frames), folder / "mini") / "joints_2Ddep",
         "CSV, 25 points": write_points(seen, folder / "points.csv"),
         "CSV of pairs, 14 points": filmed.write_pairs(fourteen, folder / "pairs.csv"),
         "NPZ, 25 points": write_points(seen, folder / "points.npz"),

@@ -16,20 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.movement import core_measures
-from mimoc.movement.classifier import Windows, told_apart, windows_of
-from mimoc.movement.filming import film_policy
-from mimoc.movement.real_infants import real_infants, told_from_real
-from mimoc.movement.sample import distance
-from mimoc.movement.sources import films_in
+from mimoc.movement.filming import film_policy, films_in
+from mimoc.movement.measures import core_measures
+from mimoc.movement.sample import Windows, accuracy_against_real, balanced_accuracy, distance, real_infants, windows_of
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 
 NOISES = ((0.05, 0.3, 0.0), (0.15, 0.3, 0.0), (0.3, 0.3, 0.0), (0.15, 0.2, 0.8), (0.3, 0.4, 0.8), (0.2, 0.3, 1.3))
 """Time constant [s], amplitude [range], and depth of bursts of noise on the muscles."""
-BURST_S = 1.5
-"""Time constant of bursts."""
+BURST_S = 1.5  # Time constant of bursts.
 
 
 def main() -> None:
@@ -46,8 +42,8 @@ def main() -> None:
         seen = [film.seen for film in film_policy(_three_months(), policy, seeds)]
         measures = [core_measures(recording) for recording in seen]
         mean = {key: float(np.mean([one[key] for one in measures])) for key in measures[0]}
-        exact = told_apart(windows, windows_of(seen))
-        about, _ = told_from_real(windows_of(seen), np.random.default_rng(0))
+        exact = balanced_accuracy(windows, windows_of(seen))
+        about, _ = accuracy_against_real(windows_of(seen), np.random.default_rng(0))
         apart.append(about - exact)
         print(f"{name:24}{distance(mean, real_infants()):9.2f}{exact:8.2f}{about:12.2f}", flush=True)
     print(f"aggregates less exact: mean {np.mean(apart):+.3f}, RMS {np.sqrt(np.mean(np.square(apart))):.3f}")
@@ -95,7 +91,7 @@ def _halves(windows: Windows) -> Iterator[float]:
     for others in combinations(infants[1:], len(infants) // 2 - 1):
         is_first = np.isin(windows.infants, (infants[0], *others))
         groups = [Windows(windows.values[part], windows.infants[part]) for part in (is_first, ~is_first)]
-        yield told_apart(*groups)
+        yield balanced_accuracy(*groups)
 
 
 if __name__ == "__main__":

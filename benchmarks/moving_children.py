@@ -12,12 +12,11 @@ import numpy as np
 from known_motions import FloatArray, random_child
 
 from mimoc.policies.rollout import Run
-from mimoc.runtime.opening.environments import open_infant
+from mimoc.runtime.opening import open_infant
 from mimoc.schema.infant import InfantSpec
 
 RATE_HZ = 25.0
-SKIPPED_S = 0.5
-"""Beginning of an episode that is left out, in which an infant falls to rest."""
+SKIPPED_S = 0.5  # Beginning of an episode that is left out, in which an infant falls to rest.
 
 
 def _kick(draw: np.random.Generator) -> str:

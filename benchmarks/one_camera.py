@@ -36,12 +36,10 @@ class Fit:
 
     kind: str
     hinges: tuple[str, ...]
-    off_rad: FloatArray
-    """Shape (t, j)."""
+    off_rad: FloatArray  # Shape (t, j).
     sd_rad: FloatArray
     unseen: tuple[str, ...]
-    lengths: dict[str, tuple[float, Interval]]
-    """True length and what the fit says, by size."""
+    lengths: dict[str, tuple[float, Interval]]  # True length and what the fit says, by size.
 
 
 def main() -> None:

@@ -19,8 +19,7 @@ from mimoc.viewer.page import page_of
 CONFIG = Path(__file__).parents[1] / "configs" / "nine_months.yaml"
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
 GPU = ("--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-sandbox")
-SIZES = ((1280, 800), (800, 600), (390, 780))
-"""Of windows, in pixels: a laptop's, a small one, a phone's."""
+SIZES = ((1280, 800), (800, 600), (390, 780))  # Of windows, in pixels: a laptop's, a small one, a phone's.
 MOTIONS = {
     "orbiting": "mimoc.stage.turn(0.02, 0)",
     "growing": "mimoc.setAge((mimoc.age + 0.05) % 24)",

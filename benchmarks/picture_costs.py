@@ -17,8 +17,7 @@ from pathlib import Path
 from measuring import cpu_medians_s
 
 FRAME_PX = (640, 480)
-TIMES = 3
-"""Of each picture in a process, besides a first one that does not count."""
+TIMES = 3  # Of each picture in a process, besides a first one that does not count.
 AGES = (0, 12)
 
 

@@ -23,8 +23,7 @@ from mimoc.bundle.model import load_model
 
 FIGURES = Path(__file__).parents[1] / "tests" / "reference" / "five_finger"
 STEPS = 400
-CHEST = {"robot:chest_lean", "robot:chest_rot"}
-"""Left out: mimoc's body is measured without them too."""
+CHEST = {"robot:chest_lean", "robot:chest_rot"}  # Left out: mimoc's body is measured without them too.
 
 HEAD = """<mujoco><compiler angle="degree"/>
 <option timestep="0.005" cone="elliptic" jacobian="dense" solver="Newton"/>

@@ -19,8 +19,7 @@ import mimoc
 from mimoc.recording.recorder import EnvRecorder
 
 CONFIG = Path(__file__).parents[1] / "configs" / "all_senses.yaml"
-TURN = 250
-"""Control steps of an environment before it is the other's turn."""
+TURN = 250  # Control steps of an environment before it is the other's turn.
 
 
 def main() -> None:

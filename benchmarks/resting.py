@@ -19,8 +19,7 @@ import mimoc
 from mimoc.bundle.model import load_model
 
 CONTROL_STEPS = 100
-SETTLING_STEPS = 400
-"""Physics steps after which toys lie still."""
+SETTLING_STEPS = 400  # Physics steps after which toys lie still.
 SCENES = {
     "lone infant": {"kind": "flat"},
     "room": {"kind": "room"},

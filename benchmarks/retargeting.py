@@ -20,8 +20,7 @@ from mimoc.movement.retargeting.sizes import lengths_of
 from mimoc.schema.body import BodySpec
 
 HEIGHT_M = 1.08
-WELL_DEG = 10.0
-"""Hinges whose own standard deviation is below it count as well determined."""
+WELL_DEG = 10.0  # Hinges whose own standard deviation is below it count as well determined.
 
 
 def main() -> None:

@@ -21,7 +21,7 @@ from measuring import cpu_medians_s
 from PIL import Image
 
 import mimoc
-from mimoc.compiler import building, model_check, pipeline
+from mimoc.compiler import building, model_check
 
 CONTROL_STEPS = 100
 SCENES = 4
@@ -88,7 +88,7 @@ def weigh(bundle: mimoc.Bundle) -> tuple[float, float]:
 def compare_steps(pose: str, rounds: int) -> None:
     """Print the time of a control step in each world, over that on an empty floor."""
     models = {
-        (name, seed): model_check.compile_model(pipeline.build(spec({**world, "pose": pose, "seed": seed})).files)
+        (name, seed): model_check.compile_model(building.build(spec({**world, "pose": pose, "seed": seed})).files)
         for (name, world), seed in itertools.product(WORLDS.items(), range(SCENES))
     }
     commands = np.random.default_rng(0).uniform(-1, 1, (CONTROL_STEPS, models["flat", 0].nu))

@@ -15,7 +15,7 @@ from measuring import cpu_medians_s
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder
-from mimoc.compiler.looks.skin.deformation import skin_of
+from mimoc.compiler.looks.skin import skin_of
 from mimoc.compiler.variants import SpecVariants, skin_at
 from mimoc.components.senses.vision.eyes import Eyes
 from mimoc.render.body_camera import BodyCamera

@@ -18,8 +18,7 @@ import numpy as np
 import mimoc
 from mimoc.bundle.model import load_model, simulation_warnings
 
-BODIES = ("mitten", "five_finger")
-"""The second with the joints of the chest: all that there is."""
+BODIES = ("mitten", "five_finger")  # The second with the joints of the chest: all that there is.
 AGES_MONTHS = (0, 1, 3, 6, 9, 12, 18, 24)
 CONVERGED = 1e-6
 EPISODE_STEPS = 400

@@ -18,11 +18,9 @@ import mimoc
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 NAMES = ("newborn", "nine_months", "two_years", "five_finger", "muscle", "playroom")
-WRONG = 0.01
-"""Difference of accelerations, by their size, from which on a solver counts as wrong."""
+WRONG = 0.01  # Difference of accelerations, by their size, from which on a solver counts as wrong.
 EPISODE_STEPS = 250
-VELOCITY = 3.0
-"""Standard deviation of random velocities, in [m/s] and [rad/s]."""
+VELOCITY = 3.0  # Standard deviation of random velocities, in [m/s] and [rad/s].
 
 
 def differences(name: str, number: int) -> Iterator[float]:

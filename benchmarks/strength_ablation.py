@@ -26,9 +26,9 @@ import mimoc
 from mimoc.body import strength
 from mimoc.body.strength import ARMS, AXIAL, LEGS, STRENGTH, StrengthCurve
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.milestones.infant import Conditions
-from mimoc.studies.milestones.report import WINDOWS
-from mimoc.studies.milestones.search import AGES, SearchResult, search
+from mimoc.studies.milestones import WINDOWS
+from mimoc.studies.milestones.search import AGES, SearchResult, search_trials
+from mimoc.studies.milestones.trial import Conditions
 
 TRUNK_GROUPS, LEG_GROUPS, ARM_GROUPS = ("neck", "trunk"), ("hip", "knee", "ankle"), ("arm",)
 USUAL = {
@@ -37,8 +37,7 @@ USUAL = {
     if name != "roll_over"
 }
 TRIALS = sorted(USUAL, key=lambda name: USUAL[name])
-LAST_MONTHS = 99.0
-"""Age at which a milestone that is not reached counts as reached."""
+LAST_MONTHS = 99.0  # Age at which a milestone that is not reached counts as reached.
 
 
 def curves(axial: StrengthCurve, legs: StrengthCurve, arms: StrengthCurve) -> dict[str, StrengthCurve]:
@@ -90,7 +89,7 @@ def put_in(variant: str) -> None:
 def find(spec: str, name: str) -> SearchResult:
     """Return the search for a milestone with the curves of this process."""
     infant = InfantSpec.model_validate_json(spec)
-    return search(infant, Conditions(), [name], AGES)[name]
+    return search_trials(infant, Conditions(), [name], AGES)[name]
 
 
 def row(variant: str, results: Mapping[str, SearchResult]) -> str:

@@ -35,8 +35,7 @@ SIZES_PX = (64, 128)
 AGE_MONTHS = 4
 CONFIG = Path(__file__).parents[1] / "configs" / "all_senses.yaml"
 FOVEATION = 5.0
-STATES = 10
-"""Postures that are drawn in each round."""
+STATES = 10  # Postures that are drawn in each round.
 GAZE_RAD = {"robot:head_tilt": 0.6, "robot:left_eye_vertical": -0.5, "robot:right_eye_vertical": -0.5}
 HIDDEN_GROUP = 5
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     )
     from mimoc.base.quantities import Quantity as Quantity
     from mimoc.bundle.regular_files import UnusableFileError as UnusableFileError
-    from mimoc.compiler.mjcf.furniture import (
+    from mimoc.compiler.mjcf.elements import (
         Furniture as Furniture,
         WorldGeom as WorldGeom,
         WorldMaterial as WorldMaterial,
@@ -48,11 +48,9 @@ if TYPE_CHECKING:
     from mimoc.runtime.actuation import Actuation as Actuation, effort_of as effort_of
     from mimoc.runtime.contract import check_term as check_term
     from mimoc.runtime.filter import Filter as Filter, Lags as Lags
-    from mimoc.runtime.judgement import Change as Change, Judgement as Judgement, Verdict as Verdict
     from mimoc.runtime.noise import LowPass as LowPass, Noise as Noise, Smooth as Smooth
-    from mimoc.runtime.sense import Sense as Sense, Vector as Vector
-    from mimoc.runtime.senses import TermSense as TermSense
-    from mimoc.runtime.task import Task as Task
+    from mimoc.runtime.sense import Sense as Sense, TermSense as TermSense, Vector as Vector
+    from mimoc.runtime.task import Change as Change, Judgement as Judgement, Task as Task, Verdict as Verdict
     from mimoc.runtime.term import Concatenated as Concatenated, Field as Field, Term as Term
     from mimoc.runtime.worlds import Worlds as Worlds
     from mimoc.schema.base import Model as Entry, Model as Spec

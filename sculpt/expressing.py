@@ -14,26 +14,16 @@ from mimoc.base.geometry.solvers import smoothstep
 class Moved:
     """One expression. All figures are by eye (D), after what muscles do in it (Oster, Baby FACS)."""
 
-    corner: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """How far the corners of the mouth go: forward, outward, up."""
-    upper: float = 0.0
-    """How far the middle of the upper lip goes up."""
-    lower: float = 0.0
-    """How far that of the lower lip goes down, and with it the jaw."""
-    square: float = 2.0
-    """The outline of the open mouth: 2 is round, more is more like a square."""
-    pout: float = 0.0
-    """How far the lips go forward."""
-    cheek: float = 0.0
-    """How far the cheeks go up and out."""
-    brow: tuple[float, float] = (0.0, 0.0)
-    """How far the inner and the outer end of a brow go up."""
-    together: float = 0.0
-    """How far the brows go towards each other."""
-    lids: tuple[float, float] = (1.0, 1.0)
-    """How far upper and lower lids are open, by how far they are."""
-    nose: float = 0.0
-    """How far the wings of the nose go up."""
+    corner: tuple[float, float, float] = (0.0, 0.0, 0.0)  # How far the corners of the mouth go: forward, outward, up.
+    upper: float = 0.0  # How far the middle of the upper lip goes up.
+    lower: float = 0.0  # How far that of the lower lip goes down, and with it the jaw.
+    square: float = 2.0  # The outline of the open mouth: 2 is round, more is more like a square.
+    pout: float = 0.0  # How far the lips go forward.
+    cheek: float = 0.0  # How far the cheeks go up and out.
+    brow: tuple[float, float] = (0.0, 0.0)  # How far the inner and the outer end of a brow go up.
+    together: float = 0.0  # How far the brows go towards each other.
+    lids: tuple[float, float] = (1.0, 1.0)  # How far upper and lower lids are open, by how far they are.
+    nose: float = 0.0  # How far the wings of the nose go up.
 
 
 EXPRESSED = {
@@ -82,7 +72,7 @@ LEAST_MM = 0.12  # Smaller moves are left out.
 def moved(mesh, face: Moved) -> Array:
     """Return how the vertices of the surface of a mesh, a `make_head.HeadMesh`, move; those of strips as their edges.
 
-    Lids turn about the eyeballs besides (`mimoc.compiler.looks.skin.head.turned_lids`).
+    Lids turn about the eyeballs besides (`mimoc.compiler.looks.head.turned_lids`).
     """
     verts = mesh.verts
     moves = (_mouth(verts, mesh.side, face) + _brows(verts, face) + _cheeks(verts, face))[mesh.twins]

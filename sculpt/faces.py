@@ -10,36 +10,21 @@ class FaceShape:
     All are by eye (D), from portraits of children and from the ratios of Farkas (1994) where it has some.
     """
 
-    forehead: float
-    """How far the forehead stands out beyond the solid."""
-    occiput: float
-    """How far the back of the head does."""
-    temple: float
-    """How far the temples do."""
-    side: float
-    """How far the sides of the head do, above the ears."""
-    bridge: float
-    """How far the bridge of the nose does, between the eyes."""
-    tip: tuple[float, float, float]
-    """Middle of the tip of the nose, x and z, and its radius."""
-    wing: tuple[float, float]
-    """Distance of the middle of a wing of the nose from the midline, and its radius."""
-    cheek: float
-    """How far a cheek stands out under the eye."""
-    jowl: float
-    """How far it does beside the jaw."""
-    mouth: tuple[float, float]
-    """Where the lips meet on the midline, about: x and z."""
-    jaw: tuple[float, float]
-    """Middle of the lower jaw, x and z."""
-    jaw_size: tuple[float, float, float]
-    """Its half axes."""
-    chin: tuple[float, float, float]
-    """Front of the chin, x, its height, z, and its radius."""
-    lids: tuple[float, float]
-    """How far upper and lower lids are open, by how far they are in the mesh."""
-    puffy: float
-    """How far the skin under an eye and above it stands out."""
+    forehead: float  # How far the forehead stands out beyond the solid.
+    occiput: float  # How far the back of the head does.
+    temple: float  # How far the temples do.
+    side: float  # How far the sides of the head do, above the ears.
+    bridge: float  # How far the bridge of the nose does, between the eyes.
+    tip: tuple[float, float, float]  # Middle of the tip of the nose, x and z, and its radius.
+    wing: tuple[float, float]  # Distance of the middle of a wing of the nose from the midline, and its radius.
+    cheek: float  # How far a cheek stands out under the eye.
+    jowl: float  # How far it does beside the jaw.
+    mouth: tuple[float, float]  # Where the lips meet on the midline, about: x and z.
+    jaw: tuple[float, float]  # Middle of the lower jaw, x and z.
+    jaw_size: tuple[float, float, float]  # Its half axes.
+    chin: tuple[float, float, float]  # Front of the chin, x, its height, z, and its radius.
+    lids: tuple[float, float]  # How far upper and lower lids are open, by how far they are in the mesh.
+    puffy: float  # How far the skin under an eye and above it stands out.
 
 
 SHAPES = {

@@ -23,10 +23,8 @@ class Dome:
     """A round height or hollow."""
 
     part: str
-    place: tuple[float, float, float]
-    """Middle, in the frame of the body, right side."""
-    radii: tuple[float, float, float]
-    """Where it has fallen to 37 %, along the axes of that frame."""
+    place: tuple[float, float, float]  # Middle, in the frame of the body, right side.
+    radii: tuple[float, float, float]  # Where it has fallen to 37 %, along the axes of that frame.
     heights: Heights
 
 
@@ -35,13 +33,10 @@ class Ring:
     """A crease or a roll around a limb."""
 
     part: str
-    end: tuple[float, float, float]
-    """Where the limb ends, in the frame of the body."""
-    at: float
-    """Place along it, as a share."""
+    end: tuple[float, float, float]  # Where the limb ends, in the frame of the body.
+    at: float  # Place along it, as a share.
     width: float
-    height: float
-    """At its fullest, of `ROLLS`."""
+    height: float  # At its fullest, of `ROLLS`.
     towards: tuple[float, float] = (0.0, 0.0)
     """To which side, x and y of the frame, it is deepest; its length, 0 to 1, is how much less it is opposite."""
 
@@ -90,7 +85,7 @@ KNUCKLES: Mapping[str, Sequence[tuple[str, tuple[float, float, float]]]] = {
 
 def arrays(
     verts: Array, held: Array, parts: Sequence[str], frames: Mapping[str, Frame], hands: str
-) -> dict[str, Array]:
+) -> dict[str, np.ndarray]:
     """Return what ships of fullness."""
     heights = sum(_heights(verts, held, parts, frames, feature) for feature in (*DOMES, *RINGS, *_dimples(hands)))
     return {

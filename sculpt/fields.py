@@ -12,17 +12,16 @@ from scipy.interpolate import PchipInterpolator
 
 Array = npt.NDArray[np.float64]
 Field = Callable[[Array], Array]
+Vector = Sequence[float] | Array
 
 
 @dataclass(frozen=True)
 class Solid:
     """A shape that belongs to a part of the body."""
 
-    part: str
-    """Name of the body, with `{side}` for a limb."""
+    part: str  # Name of the body, with `{side}` for a limb.
     field: Field
-    group: str
-    """What it is blended with: shapes of one group, then groups in the order of the figure."""
+    group: str  # What it is blended with: shapes of one group, then groups in the order of the figure.
 
 
 def smooth_min(a: Array, b: Array, k: float) -> Array:
@@ -36,13 +35,13 @@ def smooth_max(a: Array, b: Array, k: float) -> Array:
     return -smooth_min(-a, -b, k)
 
 
-def ball(centre: Sequence[float], radius: float) -> Field:
+def ball(centre: Vector, radius: float) -> Field:
     """Return a ball."""
     middle = np.asarray(centre, float)
     return lambda p: np.linalg.norm(p - middle, axis=1) - radius
 
 
-def tube(start: Sequence[float], end: Sequence[float], radii: Sequence[float], at: Sequence[float] = ()) -> Field:
+def tube(start: Vector, end: Vector, radii: Sequence[float], at: Sequence[float] = ()) -> Field:
     """Return a tube with round ends, whose radius changes smoothly along it.
 
     Args:
@@ -62,7 +61,7 @@ def tube(start: Sequence[float], end: Sequence[float], radii: Sequence[float], a
     return field
 
 
-def ellipsoid(centre: Sequence[float], half_axes: Sequence[float], turn: Array | None = None) -> Field:
+def ellipsoid(centre: Vector, half_axes: Vector, turn: Array | None = None) -> Field:
     """Return an ellipsoid, whose axes are the columns of *turn*."""
     middle, axes = np.asarray(centre, float), np.asarray(half_axes, float)
 
@@ -75,7 +74,7 @@ def ellipsoid(centre: Sequence[float], half_axes: Sequence[float], turn: Array |
     return field
 
 
-def rounded_box(centre: Sequence[float], half_edges: Sequence[float], rounding: float) -> Field:
+def rounded_box(centre: Vector, half_edges: Vector, rounding: float) -> Field:
     """Return a box with rounded edges; the half edges include the rounding."""
     middle, edges = np.asarray(centre, float), np.asarray(half_edges, float) - rounding
 

@@ -7,17 +7,15 @@ import numpy as np
 from faces import FaceShape
 from fields import Array, Field, ball, ellipsoid, smooth_max, smooth_min, tube
 
-from mimoc.compiler.looks.skin.head import CORNER_DEG, LOWER_LID_DEG, UPPER_LID_DEG, outward_of, seen_from_eye
+from mimoc.compiler.looks.head import CORNER_DEG, LOWER_LID_DEG, UPPER_LID_DEG, outward_of, seen_from_eye
 
 
 @dataclass(frozen=True)
 class Head:
     """The solids that a head is sculpted on, in a frame at the middle of the head's solid."""
 
-    half_axes: Array
-    """Of the head's solid, shape (3,)."""
-    eye: Array
-    """Middle of the right eye, shape (3,)."""
+    half_axes: Array  # Of the head's solid, shape (3,).
+    eye: Array  # Middle of the right eye, shape (3,).
     eye_radius: float
 
 

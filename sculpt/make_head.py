@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import head as heads
 import head_mesh
 import meshing
-import mouth
 import numpy as np
 from expressing import EXPRESSED, moved
 from faces import MESHED, SHAPES, FaceShape
@@ -14,7 +13,7 @@ from scipy.interpolate import PchipInterpolator, RBFInterpolator
 
 from mimoc.base.geometry.solvers import smoothstep
 from mimoc.body.grow import grow_body
-from mimoc.compiler.looks.skin.template_mesh import MOVE_M
+from mimoc.compiler.looks.sculpture import MOVE_M
 from mimoc.schema.infant import InfantSpec
 
 WHORL = np.array((-0.52, 0.0, 0.85))  # Direction of the whorl, from the middle of the head.
@@ -32,16 +31,11 @@ WORN = np.array((-0.98, 0.0, 0.05))  # Direction of the middle of what rubs on t
 class Scalp:
     """The part of the head's mesh that has hair, of n vertices."""
 
-    verts: np.ndarray
-    """Of the head, shape (n,)."""
-    faces: np.ndarray
-    """Of these, shape (m, 3)."""
-    inside: Array
-    """How far within the hairline they are, and how much farther with a full fringe, [deg], shape (n, 2)."""
-    around: Array
-    """Which way from the whorl, 0 to 1, the same on both sides, shape (n,)."""
-    worn: Array
-    """How much of the hair rubs off on the ground, 0 to 1, shape (n,)."""
+    verts: np.ndarray  # Of the head, shape (n,).
+    faces: np.ndarray  # Of these, shape (m, 3).
+    inside: Array  # How far within the hairline they are, and how much farther with a full fringe, [deg], shape (n, 2).
+    around: Array  # Which way from the whorl, 0 to 1, the same on both sides, shape (n,).
+    worn: Array  # How much of the hair rubs off on the ground, 0 to 1, shape (n,).
 
 
 def scalp(half_axes: Array, verts: Array, faces: np.ndarray) -> Scalp:
@@ -95,7 +89,7 @@ AGE_MONTHS = 9.0  # Age of the child whose head's solid all ages are sculpted on
 SEED = 16
 
 
-def sculpt_head() -> dict[str, Array]:
+def sculpt_head() -> dict[str, np.ndarray]:
     """Return the arrays of the head."""
     sculpted = reference_head()
     mesh = meshed(sculpted)
@@ -116,7 +110,7 @@ def sculpt_head() -> dict[str, Array]:
     }
 
 
-def _hair_of(sculpted: heads.Head, mesh: "HeadMesh", verts: Array) -> dict[str, Array]:
+def _hair_of(sculpted: heads.Head, mesh: "HeadMesh", verts: Array) -> dict[str, np.ndarray]:
     hair = scalp(sculpted.half_axes, verts, mesh.faces)
     print("hair", len(hair.verts), "vertices")
     return {
@@ -137,24 +131,17 @@ def _small(moves_mm: Array) -> np.ndarray:
 class HeadMesh:
     """The mesh that all ages share, on the age that it was made at."""
 
-    verts: Array
-    """Of the surface with the strips along lids and lips, shape (n, 3)."""
-    twins: np.ndarray
-    """The vertex that each of them moves with: itself, or of a strip's that at the edge."""
-    side: np.ndarray
-    """Which lip each moves with: 1 above the line on which the lips meet, -1 below, shape (n,)."""
-    origin: np.ndarray
-    """For each vertex of the surface in the picture's order, the one of these that it is."""
-    loop: np.ndarray
-    """Those at which the pocket of the mouth begins, in order."""
-    faces: np.ndarray
-    """Of all vertices: the surface's in the picture's order, and the pocket's."""
-    places: Array
-    """Of all vertices in the picture of a face."""
+    verts: Array  # Of the surface with the strips along lids and lips, shape (n, 3).
+    twins: np.ndarray  # The vertex that each of them moves with: itself, or of a strip's that at the edge.
+    side: np.ndarray  # Which lip each moves with: 1 above the line on which the lips meet, -1 below, shape (n,).
+    origin: np.ndarray  # For each vertex of the surface in the picture's order, the one of these that it is.
+    loop: np.ndarray  # Those at which the pocket of the mouth begins, in order.
+    faces: np.ndarray  # Of all vertices: the surface's in the picture's order, and the pocket's.
+    places: Array  # Of all vertices in the picture of a face.
 
     def whole(self, verts: Array) -> Array:
         """Return all vertices, with the pocket behind the lips, of a surface."""
-        return np.vstack((verts[self.origin], mouth.pocket(verts, self.loop)))
+        return np.vstack((verts[self.origin], head_mesh.pocket(verts, self.loop)))
 
     def moved(self, moves: Array) -> Array:
         """Return how all vertices move when those of the surface do."""
@@ -177,10 +164,10 @@ def meshed(head: heads.Head) -> HeadMesh:
     verts[inner] = verts[twins[inner]] - (LIP_MM, 0, 0)
     verts[lids] = _at_eyeball(head, verts[twins[lids]])
     origin, split, places = head_mesh.split_at_end(head, verts, faces)
-    loop = mouth.loop_around(inner, faces)
-    behind = mouth.pocket_faces(len(loop), len(origin))
+    loop = head_mesh.loop_around(inner, faces)
+    behind = head_mesh.pocket_faces(len(loop), len(origin))
     side = head_mesh.lip_sides(line, verts, faces, twins)
-    places = np.vstack((places, mouth.pocket_places(verts[loop], side[loop])))
+    places = np.vstack((places, head_mesh.pocket_places(verts[loop], side[loop])))
     return HeadMesh(verts, twins, side, origin, loop, np.vstack((split, behind)), places)
 
 

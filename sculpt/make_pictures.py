@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from pictures import adult, cloth, cubes, face, floors, framed, walls
+from pictures import adult, cloth, cubes, face, floors, walls
 from pictures.inks import Painted, with_palette
 
 from mimoc.compiler.looks.pictures import FOLDER, INKS, MIXTURES, encode_palette_png
@@ -35,7 +35,7 @@ def write_mixtures(mixtures: Mapping[str, np.ndarray]) -> None:
 
 def paint_pictures() -> Iterator[tuple[str, bytes | Painted]]:
     """Yield the name of each picture, and its PNG or, if its colours are a spec's, what it was painted with."""
-    for table, module in ((FLOORS, floors), (CEILINGS, floors), (WALLS, walls), (PICTURES, framed)):
+    for table, module in ((FLOORS, floors), (CEILINGS, floors), (WALLS, walls), (PICTURES, walls)):
         for name, wallpaper in table.items():
             yield wallpaper.name, encode_palette_png(getattr(module, name)())
     for name in EXPRESSIONS:

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.policies.skill import KINDS, SHIPPED
-from mimoc.render.plots.file import write_sheet
+from mimoc.render.plots import write_sheet
 from mimoc.schema.kinds import SKILLS
-from mimoc.studies.skills.learning import LEARNT, RESULTS, SkillReport, learn_skill, skill_sheet
+from mimoc.studies.skills import LEARNT, RESULTS, SkillReport, learn_skill, skill_sheet
 
 SEARCHED: Mapping[str, tuple[float, ...]] = {"roll": (2, 4, 6, 8), "grasp": (2, 4, 6, 9)}
 """Skills that a search without feedback can find, and the ages at which it is tried."""

@@ -4,27 +4,80 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-import body
+import cutting
 import features
 import figure
+import meshing
 import numpy as np
-import shading
 import stretching
 import tailoring
 import weights
-from embedding import PLANE
+from cutting import PLANE, Drawn
 from fields import Array
+from figure import Figure
 from make_head import sculpt_head
+from pictures.cloth import BANDS, PLACES, shade_of
+from tailoring import GARMENTS, Cut
+from weights import owners
 
-from mimoc.base.geometry.arrays import read_arrays, together
+from mimoc.base.arrays import read_arrays, together
 from mimoc.body.kinematics import Frame, frames, pose
-from mimoc.body.surface import head_radius
-from mimoc.body.tree import BodyTree
+from mimoc.body.tree import BodyTree, head_radius
 from mimoc.compiler.building import builder
-from mimoc.compiler.looks.skin.deformation import boxes
-from mimoc.compiler.looks.skin.surface_distance import height_above, surface_distance
-from mimoc.compiler.looks.skin.template_mesh import FOLDER, assembled
+from mimoc.compiler.looks.sculpture import FOLDER, assembled
+from mimoc.compiler.looks.skin import boxes, height_above, surface_distance
 from mimoc.schema.infant import InfantSpec
+
+LOW, HIGH = np.array((-80.0, -280.0, -300.0)), np.array((270.0, 280.0, 320.0))
+TOP = 308.0  # Above this height the neck is in the head.
+SIZES = {
+    "hand": 4.9,
+    "lfmetacarpal": 4.6,
+    "thbase": 4.6,
+    "foot": 6.4,
+    "toes": 3.9,
+    "big_toe": 4.2,
+    "fingers": 3.6,
+    "upper_arm": 9.5,
+    "lower_arm": 9.0,
+    "upper_leg": 10.0,
+    "lower_leg": 10.0,
+    **dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), 12.5),
+}
+FINGER_SIZE = 3.3  # Lengths of edges, by body.
+SEPARATE = {"hand": 5.3, "lfmetacarpal": 4.9, "thbase": 4.8, "toes": 4.3, "big_toe": 4.5, "foot": 6.8}
+SEPARATE_FINGER_SIZE = 3.7  # The same of hands with five fingers, which have more bodies for a file to name.
+
+
+def mesh(
+    sculpted: figure.Figure, frames: Mapping[str, Frame], cell_mm: float, rng: np.random.Generator
+) -> tuple[cutting.Drawn, Mapping[str, cutting.Curve]]:
+    """Return the mesh and the hems."""
+    field, curves = sculpted.field(), tailoring.hems(frames)
+    fined = features.finer(frames)
+
+    def size(points: Array) -> Array:
+        return fined(points, sizes(sculpted, points))
+
+    dense = meshing.largest(*meshing.surface(field, LOW, HIGH, cell_mm))
+    dense = meshing.only(*dense, dense[0][:, 2] < TOP)
+    verts, faces = meshing.remesh(*dense, size, rng)
+    verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
+    half = cutting.right_half(field, verts, meshing.without_fins(faces))
+    drawn = cutting.embedded(field, half, tuple(curves.values()), size)
+    whole = cutting.mirrored(drawn)
+    print("body", len(dense[0]), "->", len(whole.verts), "defects", meshing.defects(whole.faces))
+    return whole, curves
+
+
+def sizes(sculpted: figure.Figure, points: Array) -> Array:
+    """Return the length of edges that is wanted at some points."""
+    owners = weights.owners(points, sculpted.solids)
+    is_separate = any("thbase" in solid.part for solid in sculpted.solids)
+    table, finger = (SIZES | SEPARATE, SEPARATE_FINGER_SIZE) if is_separate else (SIZES, FINGER_SIZE)
+    parts = {name: table.get(name.removeprefix("left_").removeprefix("right_"), finger) for name in set(owners)}
+    return np.array([parts[name] for name in owners])
+
 
 AGE_MONTHS = 9.0
 SIDES = ("left", "right")
@@ -85,21 +138,21 @@ def child(hands: str) -> BodyTree:
     ).tree
 
 
-def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
+def sculpt(hands: str, cell_mm: float) -> dict[str, np.ndarray]:
     """Return the arrays of the skin for a kind of hands."""
     tree = child(hands)
     angles = bound(tree)
     placed = frames(tree, angles)
     sculpted = figure.build(placed, hands)
     parts = [part.name for part in tree.bodies if "eye" not in part.name]
-    drawn, curves = body.mesh(sculpted, placed, cell_mm, np.random.default_rng(SEED))
+    drawn, curves = mesh(sculpted, placed, cell_mm, np.random.default_rng(SEED))
     above = {part.name: part.parent or "" for part in tree.bodies}
     held = weights.weights(drawn, sculpted, placed, {part: above[part] for part in parts})
     cut = tailoring.cut_out(drawn, curves, placed)
     fixed = together(
         _common(tree, parts, angles, placed),
         {"faces": drawn.faces.astype(np.uint16)},
-        shading.texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held)),
+        texcoords(drawn, sculpted, cut, _hanging_mm(tree, parts, placed, drawn.verts, held)),
         features.arrays(drawn.verts, held, parts, placed, hands),
     )
     head = read_arrays(FOLDER / "head.npz")
@@ -139,7 +192,7 @@ def _hanging_mm(tree: BodyTree, parts: list[str], placed: Mapping[str, Frame], v
     return height
 
 
-def _common(tree: BodyTree, parts: list[str], angles: Mapping[str, float], placed: Mapping) -> dict[str, Array]:
+def _common(tree: BodyTree, parts: list[str], angles: Mapping[str, float], placed: Mapping) -> dict[str, np.ndarray]:
     corners = boxes(tree)
     by_name = {body.name: body for body in tree.bodies}
     return {
@@ -161,7 +214,7 @@ FINE = ("hand", "finger", "_ff", "_mf", "_rf", "_lf", "_th", "toe", "foot")
 """What geoms are called above which the skin is hardly blended."""
 
 
-def _shape(tree: BodyTree, angles: Mapping[str, float], verts: Array) -> dict[str, Array]:
+def _shape(tree: BodyTree, angles: Mapping[str, float], verts: Array) -> dict[str, np.ndarray]:
     """Return the arrays of vertices and of their heights above the solids."""
     verts_m = verts / 1000
     posed = pose(tree, angles)
@@ -184,12 +237,55 @@ def _shape(tree: BodyTree, angles: Mapping[str, float], verts: Array) -> dict[st
     }
 
 
-def _moving(held: Array) -> dict[str, Array]:
+def _moving(held: Array) -> dict[str, np.ndarray]:
     order = np.argsort(-held, axis=1, kind="stable")[:, : weights.BONES]
     return {
         "bones": order.astype(np.uint8),
         "weights": np.rint(255 * np.take_along_axis(held, order, axis=1)).astype(np.uint8),
     }
+
+
+STRIPE_MM = 26.0  # Breadth of a light and a dark stripe of the shirt together.
+REACH_MM = (1.5, 3.0, 6.0, 11.0)  # Distances from the surface at which it is asked how much of the space is filled.
+
+
+def texcoords(drawn: Drawn, figure: Figure, cut: Cut, hanging_mm: Array) -> dict[str, np.ndarray]:
+    """Return places in the texture of skin, along the pattern of cloth, and in the shades of each garment."""
+    free = openness(figure, drawn.verts)
+    shades = [shade_of(PLACES[name], cut.hem_mm[name] / BANDS[name], free) for name in GARMENTS]
+    return {
+        "texcoords": np.column_stack((0.02 + 0.96 * rosiness(figure, drawn.verts), 0.02 + 0.96 * free)).astype(
+            np.float32
+        ),
+        "pattern": (hanging_mm / STRIPE_MM).astype(np.float32),
+        "shades": np.rint(255 * np.array(shades)).astype(np.uint8),
+    }
+
+
+def openness(figure: Figure, verts: Array) -> Array:
+    """Return how much of the space above each vertex is free, 0 to 1."""
+    field = figure.field()
+    normal = meshing.gradient(field, verts)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    base = field(verts)
+    free = [np.clip((field(verts + far * normal) - base) / far, 0, 1) for far in REACH_MM]
+    return np.clip((np.mean(free, axis=0) - 0.35) / 0.65, 0, 1)
+
+
+def rosiness(figure: Figure, verts: Array) -> Array:
+    """Return how rosy the skin is, 0 to 1: knees, elbows, fingers, toes, palms and soles."""
+    names = owners(verts, figure.solids)
+    fingers = np.array([any(word in name for word in ("finger", "toe", "distal", "middle")) for name in names])
+    rosy = 0.35 * fingers
+    for side in ("left", "right"):
+        for part, radius, most in (
+            ("lower_leg", 24, 0.7),
+            ("lower_arm", 22, 0.6),
+            ("foot", 18, 0.7),
+        ):
+            joint = figure.joints[f"{side}_{part}"]
+            rosy = np.maximum(rosy, most * np.exp(-(((np.linalg.norm(verts - joint, axis=1) - 14) / radius) ** 2)))
+    return np.clip(rosy, 0, 1)
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@ import json
 
 from toys import animals, food, household, playthings, vehicles
 
-from mimoc.bundle.arrays import Array, pack_arrays
-from mimoc.compiler.toys.shape import ToyModel
+from mimoc.bundle.io import Array, pack_arrays
+from mimoc.compiler.toys import ToyModel
 from mimoc.components.toys.builtin import FIGURES, MESHES
 
 TOYS = {

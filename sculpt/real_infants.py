@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.base.quantities.movement import CORE
+from mimoc.base.movement_quantities import CORE
 from mimoc.motion.reading import read_points
-from mimoc.movement import measure_movement
-from mimoc.movement.classifier import windows_of
-from mimoc.movement.real_infants import FILES
+from mimoc.movement.measured import measure_movement
+from mimoc.movement.sample import FILES, windows_of
 
 
 def main(paths: list[Path]) -> None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from mimoc.studies.bodies import bodies_digest
 from mimoc.studies.experiment import find_experiment, run_experiment
+from mimoc.studies.notebook import bodies_digest
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 PAGES = sorted(CHECKOUT.glob("docs/experiments/*/*.md"))

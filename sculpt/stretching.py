@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from embedding import Curve, Drawn, placed
+from cutting import Curve, Drawn, placed
 from fields import Array, Field
 from meshing import edges_of
 from scipy.sparse import coo_matrix
@@ -13,13 +13,11 @@ from weights import symmetric
 
 from mimoc.body.kinematics import Frame, frames, frames_in_world
 from mimoc.body.poses import POSES, poses_of, resting_state
-from mimoc.body.surface import head_radius
-from mimoc.body.tree import BodyTree
+from mimoc.body.tree import BodyTree, head_radius
 from mimoc.compiler.building import builder
-from mimoc.compiler.looks.skin.deformation import layers_of
-from mimoc.compiler.looks.skin.garments import BARE
-from mimoc.compiler.looks.skin.template_mesh import Sculpture
-from mimoc.compiler.mjcf.skin import SkinLayer
+from mimoc.compiler.looks.sculpture import BARE, Sculpture
+from mimoc.compiler.looks.skin import layers_of
+from mimoc.compiler.mjcf.scene import SkinLayer
 from mimoc.schema.infant import InfantSpec
 
 ALLOWED_MM = 0.6  # How far the skin may be below the floor.

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from embedding import Curve, Drawn
+from cutting import Curve, Drawn
 from fields import Array, smooth_min
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -88,12 +88,9 @@ FAR = 30.0  # Distance from hems at which it is that high.
 class Cut:
     """Garments that are cut out of a mesh, by name."""
 
-    is_covered: Mapping[str, np.ndarray]
-    """Whether each face is of the garment."""
-    hem_mm: Mapping[str, Array]
-    """Distance of each vertex from the nearest hem."""
-    lifts_mm: Mapping[str, Array]
-    """Height of the cloth above each vertex."""
+    is_covered: Mapping[str, np.ndarray]  # Whether each face is of the garment.
+    hem_mm: Mapping[str, Array]  # Distance of each vertex from the nearest hem.
+    lifts_mm: Mapping[str, Array]  # Height of the cloth above each vertex.
 
 
 def cut_out(drawn: Drawn, curves: Mapping[str, Curve], frames: Mapping[str, Frame]) -> Cut:

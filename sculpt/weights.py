@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from embedding import Drawn
+from cutting import Drawn
 from fields import Array, Solid
 from figure import Figure, folded
 from meshing import edges_of

@@ -5,7 +5,10 @@ import shlex
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import gymnasium
 import numpy as np
@@ -13,9 +16,15 @@ import pytest
 import yaml
 
 import mimoc
+from mimoc.anatomy.anatomy import assemble
 from mimoc.anatomy.parts import PARTS
+from mimoc.body.grow import grow_tree
+from mimoc.body.strength import STRENGTH
+from mimoc.fits import measure
 from mimoc.schema.base import recompose
+from mimoc.schema.infant import InfantSpec
 from mimoc.schema.kinds import EXPORTERS
+from mimoc.schema.outline import language_of
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 
@@ -199,3 +208,96 @@ def test_the_tail_of_the_page_on_own_parts_grows_moves_and_feels(monkeypatch, ca
     finally:
         PARTS.remove("tail")
         recompose()
+
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+COMMANDS = "build", "check", "explain", "run", "train", "validate", "cohort run", "cohort table"
+
+
+@pytest.fixture
+def extension(monkeypatch) -> Callable[[str], ModuleType]:
+    monkeypatch.setattr(sys, "path", [str(DOCS / "_ext"), *sys.path])
+    return import_module
+
+
+def test_the_reference_of_specs_has_every_key_once_in_its_section(extension):
+    text = extension("spec_reference").reference("spec")
+    language = language_of(InfantSpec)
+    sections = dict(re.findall(r"^##+ `([\w.]+)`\n(.*?)(?=^##|\Z)", text, re.MULTILINE | re.DOTALL))
+    assert {"body", "senses.touch", "delays", "scene.toys"} <= sections.keys()
+    for name, section in sections.items():
+        path = tuple(name.split("."))
+        if not language.kinds_of(path):
+            assert re.findall(r"^`(\w+)`$", section, re.MULTILINE) == list(language.outline(path).keys), name
+    assert {f"task: {{kind: {kind}}}" for kind in language.kinds_of(("task",))} <= set(re.findall("`(.*?)`", text))
+
+
+def test_the_reference_of_specs_says_what_values_there_are_with_their_units_and_defaults(extension):
+    text = extension("spec_reference").reference("spec")
+    assert "`age_months`\n: *number, at least 0, at most 24, in months; required*" in text
+    assert "`hands`\n: *`mitten` or `five_finger`; default `mitten`*" in text
+    assert "`motor`\n: *`maturing` or number, at least 0, at most 1; default `0.0`*" in text
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_reference_of_commands_has_the_options_that_help_shows(extension, invoke, monkeypatch, command):
+    monkeypatch.setenv("COLUMNS", "200")
+    text = extension("cli_reference").reference()
+    section = re.search(rf"^##+ `mimoc {command}`\n(.*?)(?=^##|\Z)", text, re.MULTILINE | re.DOTALL)[1]
+    entries = " ".join(re.findall(r"^`(.*)`$", section, re.MULTILINE))
+    shown = " ".join(re.findall(r"^│[ *]+((?:--[\w-]+ +)+)", invoke(*command.split(), "--help").out, re.MULTILINE))
+    assert set(shown.split()) - {"--help"} == set(re.findall(r"--[\w-]+", entries))
+
+
+def test_the_reference_of_python_has_every_public_name_once():
+    text = (DOCS / "api.md").read_text(encoding="utf-8")
+    named = re.findall(r"^\.\. auto\w+:: (\w+)$", text, re.MULTILINE)
+    assert sorted(named) == sorted(set(mimoc.__all__) - {"__version__"})
+
+
+PAGE = (Path(__file__).resolve().parents[1] / "docs" / "development.md").read_text(encoding="utf-8")
+ROWS = [[cell.strip() for cell in line.strip("|").split("|")] for line in PAGE.splitlines() if line.startswith("|")]
+MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 18)
+
+
+def row(start: str) -> list[str]:
+    (found,) = [cells for cells in ROWS if cells[0].startswith(start)]
+    return found
+
+
+@pytest.mark.parametrize("group", sorted(STRENGTH.keys() - {"eyes"}))
+def test_the_table_of_strength_is_that_of_the_law(group):
+    _, newborn, tau, power, *shares = row(f"`{group}`")
+    curve = STRENGTH[group]
+    assert (float(newborn), float(tau), float(power)) == (curve.newborn, curve.decay.tau_months, curve.decay.power)
+    assert shares == [f"{curve(age_months):.2f}" for age_months in (1, 2, 3, 4, 6, 9, 12, 15, 18)]
+
+
+@pytest.mark.parametrize(
+    ("start", "joint", "angle"),
+    [
+        ("hip, straightest", "hip1", lambda joint: joint.range_deg[1]),
+        ("knee, straightest", "knee", lambda joint: joint.range_deg[1]),
+        ("elbow, straightest", "elbow", lambda joint: joint.range_deg[1]),
+        ("ankle, furthest up", "foot1", lambda joint: joint.range_deg[1]),
+        ("ankle, furthest down", "foot1", lambda joint: joint.range_deg[0]),
+        ("rest of the hip", "hip1", lambda joint: joint.springref_deg),
+        ("rest of the knee", "knee", lambda joint: joint.springref_deg),
+        ("rest of the elbow", "elbow", lambda joint: joint.springref_deg),
+        ("rest of the fingers", "fingers", lambda joint: joint.springref_deg),
+    ],
+)
+def test_the_table_of_joints_is_that_of_grown_infants(start, joint, angle):
+    anatomy = assemble("mitten", chest_joint=False)
+    grown = [angle(grow_tree(measure(age), anatomy).joints[f"robot:left_{joint}"]) for age in MONTHS]
+    assert list(map(float, row(start)[1:])) == [pytest.approx(degrees, abs=0.51) for degrees in grown]
+
+
+def test_every_explanation_names_the_law_and_says_how_certain_it_is(invoke, monkeypatch):
+    monkeypatch.chdir(Path(__file__).resolve().parents[1])
+    (block,) = re.findall(r"^```sh\n(mimoc explain .*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    for command in block.splitlines():
+        code, printed, _ = invoke(*shlex.split(command)[1:])
+        assert code == 0, command
+        assert "the law `maturing`" in " ".join(printed.split())
+        assert "D: derived for mimoc" in printed

@@ -199,8 +199,6 @@ def test_a_bundle_refuses_the_state_of_another_scene():
 
 
 class Regard(mimoc.Task):
-    """A task of a script."""
-
     def judge(self, data, action, effort):
         return 0.0
 

@@ -1,10 +1,20 @@
 """Imports between rooms run down, and each library has its homes."""
 
+import ast
+import re
 import sys
+from collections.abc import Iterator
 from graphlib import TopologicalSorter
+from pathlib import Path
 
 import pytest
+import yaml
 from support.rooms import FILES, FLOOR_OF, Import, all_imports, arrows, imports, module_graph, room_of, runs_up
+
+import mimoc
+from mimoc.compiler import building, model_check
+from mimoc.schema import InfantSpec
+from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS, all_limb_bodies, trunk_bodies
 
 HOMES = {  # The rooms that may import each library.
     "OpenGL": "render",
@@ -93,7 +103,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.body.grow", "if TYPE_CHECKING:\n    from mimoc.compiler.mjcf.scene import X", ("body", "compiler")),
         ("mimoc.runtime.env", "CODE = 'mimoc.components.senses.touch.run'", ("runtime", "components")),
         ("mimoc.schema.infant", "import mimoc", ("schema", "mimoc")),
-        ("mimoc.studies.bodies", "from mimoc.cli.console import show", ("studies", "cli")),
+        ("mimoc.studies.notebook", "from mimoc.cli.console import show", ("studies", "cli")),
         ("mimoc.body.grow", "from mimoc.stray import x", ("body", "stray")),
     ],
 )
@@ -104,3 +114,81 @@ def test_an_import_that_runs_up_is_found(module, source, arrow):
 @pytest.mark.parametrize("source", ["import yaml", "import_module('yaml')", "import_module(f'yaml.{name}')"])
 def test_a_library_in_another_room_is_found(source):
     assert strays(imports("mimoc.fits.tables", source)) == ["mimoc.fits.tables:1 imports yaml"]
+
+
+CONFIGS = sorted((Path(__file__).parents[1] / "configs").glob("*.yaml"))
+IDENTIFIER = re.compile(r"^[A-Za-z_][A-Za-z0-9_]*$", re.ASCII)
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
+def test_geoms_meshes_textures_and_cameras_are_named_by_identifiers_of_their_own(path):
+    """MuJoCo's USD exporter makes prims of geoms and cameras; MIMo has no names for geoms that are against it."""
+    model = model_check.compile_model(building.build(InfantSpec.model_validate(yaml.safe_load(path.read_text()))).files)
+    kinds = {"geom": model.ngeom, "mesh": model.nmesh, "tex": model.ntex, "camera": model.ncam, "light": model.nlight}
+    for kind, count in kinds.items():
+        names = [getattr(model, kind)(index).name for index in range(count)]
+        assert [name for name in names if not IDENTIFIER.match(name)] == [], kind
+        assert len(set(names)) == len(names), kind
+
+
+def test_toys_are_named_by_identifiers():
+    data = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"kind": "room", "toys": {"count": [20, 20]}}}
+    model = model_check.compile_model(building.build(InfantSpec.model_validate(data)).files)
+    toys = [model.body(body).name for body in range(model.nbody) if model.body(body).name.startswith("toy")]
+    assert len(toys) == 20
+    assert all(map(IDENTIFIER.match, toys))
+
+
+ROOT = Path(mimoc.__file__).parent
+RUNNING = (
+    *("runtime/*.py", "policies/*.py", "policies/control/*.py"),
+    *("components/tasks/*/run.py", "components/actuation/run.py", "components/senses/*/run.py", "recording/*.py"),
+)
+RUNNING_FILES = sorted(path for pattern in RUNNING for path in ROOT.glob(pattern))
+# Beginnings of the names of files that build, or whose columns are named like parts of the body.
+EXCEPT = ("build", "spec", "movement_groups")
+
+CAMERAS = {"eye_left", "eye_right"}
+PARTS = {*trunk_bodies(), *all_limb_bodies(), *(set(STRENGTH_GROUPS) - set(PAIRED_GROUPS)), *CAMERAS}
+"""Groups of both sides, such as `legs`, are also words for what a manifest has."""
+SIDED = re.compile(r"\b(robot:|act:|(left|right)_[a-z])")
+
+
+def literals(source: str) -> Iterator[tuple[int, str]]:
+    tree = ast.parse(source)
+    alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in alone:
+            yield node.lineno, node.value
+
+
+def names(source: str) -> list[str]:
+    """Return the texts of a module that name a part of the body, with their lines."""
+    return [f"{line}: {text}" for line, text in literals(source) if text in PARTS or SIDED.search(text)]
+
+
+@pytest.mark.parametrize("path", RUNNING_FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_no_part_of_the_body_is_named_where_an_infant_runs(path):
+    if not path.name.startswith(EXCEPT):
+        assert names(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize(
+    "source", ['model.body("head")', 'HANDS = ("left_hand",)', 'x = f"robot:{side}_elbow"', 'camera("eye_left")']
+)
+def test_a_module_that_names_one_is_found(source):
+    assert names(source)
+
+
+def test_the_manifest_names_only_what_the_model_has(built):
+    for removed in ([], ["left_hand", "right_eye"], ["right_upper_arm", "left_upper_leg", "right_foot"]):
+        bundle = built(body={"remove": removed})
+        env, anatomy = mimoc.InfantEnv(bundle), bundle.manifest.anatomy
+        limbs = (*anatomy.arms, *anatomy.legs)
+        bodies = {anatomy.head, *anatomy.trunk, *(limb.root for limb in limbs), *(eye.body for eye in anatomy.eyes)}
+        bodies |= {limb.end for limb in limbs if limb.end}
+        assert not bodies & set(removed)
+        assert all(env.model.body(name).id > 0 for name in bodies)
+        assert all(env.model.camera(eye.camera).bodyid[0] == env.model.body(eye.body).id for eye in anatomy.eyes)
+        hinges = [joint for group in anatomy.groups.values() for joint in group]
+        assert sorted(hinges) == sorted(env.model.joint(index).name for index in range(1, env.model.njnt))

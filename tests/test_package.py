@@ -1,8 +1,11 @@
 import json
+import os
+import re
 import subprocess
 import sys
 from importlib import import_module
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
@@ -43,7 +46,8 @@ def test_the_version_is_that_of_the_installed_package():
 
 
 def test_importing_mimoc_loads_nothing_heavy():
-    assert python("import mimoc", f"print(json.dumps([m for m in {HEAVY} if m in sys.modules]))") == []
+    heavy = [*HEAVY, "gymnasium", "numpy"]
+    assert python("import mimoc", f"print(json.dumps([m for m in {heavy} if m in sys.modules]))") == []
 
 
 def test_loading_a_spec_loads_no_mathematics_and_no_mujoco(folder):
@@ -78,6 +82,7 @@ MAKE = "env = gymnasium.make({name!r}, bundle={folder!r}); print(json.dumps(list
         ("import mimoc, gymnasium", "mimoc/Infant-v0"),
         ("import gymnasium, mimoc", "mimoc/Infant-v0"),
         ("import gymnasium", "mimoc:mimoc/Infant-v0"),
+        ("import mimoc, gymnasium", "mimoc:mimoc/Infant-v0"),
     ],
 )
 def test_gymnasium_makes_infants_whatever_was_imported_first(imports, name, folder):
@@ -85,11 +90,69 @@ def test_gymnasium_makes_infants_whatever_was_imported_first(imports, name, fold
     assert senses == ["proprioception", "vestibular"]
 
 
+def test_gymnasium_is_loaded_as_without_mimoc():
+    counted = "len(sys.meta_path)"
+    before, waiting, after, loader = python(
+        f"before = {counted}",
+        "import mimoc",
+        f"waiting = {counted}",
+        "import gymnasium",
+        "loader = type(gymnasium.envs.registration.__spec__.loader).__name__",
+        f"print(json.dumps([before, waiting, {counted}, loader]))",
+    )
+    assert (before, waiting, after) == (before, before + 1, before)
+    assert loader == "SourceFileLoader"
+
+
 def test_registering_again_changes_nothing():
     assert python(
         "import gymnasium, mimoc",
-        "from mimoc.runtime.opening.registration import register_envs",
+        "from mimoc.runtime import register_envs",
         "before = dict(gymnasium.registry)",
         "register_envs()",
         "print(json.dumps(before == dict(gymnasium.registry)))",
     )
+
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+GOALS = re.findall(r"^([a-z-]+):", (CHECKOUT / "Makefile").read_text(), re.MULTILINE)
+TASKS = re.findall(r"^([a-z]+)\(\) ", (CHECKOUT / ".ci" / "task").read_text(), re.MULTILINE)
+OF_MAKE = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "TESTS")
+"""Variables by which a `make` that runs this test would have its say."""
+
+
+@pytest.mark.parametrize(("asked", "run"), [((), "tests"), (("TESTS=tests/runtime/device",), "tests/runtime/device")])
+def test_make_test_runs_all_tests_or_the_part_that_is_named(asked, run):
+    (tests,) = [line for line in recipes("test", *asked).splitlines() if line.strip().startswith('"tests: ')]
+    assert tests.split()[-1] == f'{run}"'
+
+
+def recipes(*asked: str) -> str:
+    command = ["make", "--dry-run", "--always-make", *asked]
+    env = {name: value for name, value in os.environ.items() if name not in OF_MAKE}
+    return subprocess.run(command, cwd=CHECKOUT, env=env, capture_output=True, text=True, check=True, timeout=60).stdout
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_the_shell_can_read_all_that_a_goal_runs(goal):
+    """A comment sign in a variable of make once cut a recipe in the midst of a string."""
+    read = subprocess.run(["sh", "-n"], input=recipes(goal), capture_output=True, text=True, timeout=60)
+    assert (read.returncode, read.stderr) == (0, "")
+
+
+def test_tasks_are_listed_with_what_they_do_and_others_refused():
+    listed = subprocess.run([".ci/task"], cwd=CHECKOUT, capture_output=True, text=True, timeout=60, check=True)
+    names = [line.split()[0] for line in listed.stdout.splitlines()]
+    assert names == sorted(names)
+    assert {*TASKS} == {*names, "needs"}
+    refused = subprocess.run([".ci/task", "fuz"], cwd=CHECKOUT, capture_output=True, text=True, timeout=60, check=False)
+    assert (refused.returncode, refused.stdout.splitlines()[0]) == (2, "'fuz' is not a task. The tasks are:")
+
+
+def test_every_task_and_goal_that_a_page_names_exists():
+    pages = [CHECKOUT / "README.md", CHECKOUT / "CONTRIBUTING.md", *(CHECKOUT / "docs").rglob("*.md")]
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
+    tasks = set(re.findall(r"\.ci/task ([a-z]+)", text))
+    assert tasks
+    assert tasks <= set(TASKS)
+    assert set(re.findall(r"`make ([a-z-]+)`", text)) <= set(GOALS)

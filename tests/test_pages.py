@@ -68,8 +68,6 @@ MISTAKEN = "mimoc: 1\nname: mine\nage_months: 99\nsenses: {}\nscene:\n  posse: s
 
 @dataclass(frozen=True)
 class Block:
-    """One block of a page."""
-
     line: int
     language: str
     text: str

@@ -22,7 +22,7 @@ CHECKOUT = Path(__file__).resolve().parents[1]
 
 
 def record(name: str = "echo") -> SenseKind:
-    return SenseKind(name, VestibularSpec, VestibularEntry, "mimoc.components.senses.vestibular.build", "os")
+    return SenseKind(name, VestibularSpec, VestibularEntry, "mimoc.components.senses.vestibular", "os")
 
 
 @pytest.fixture
@@ -154,11 +154,10 @@ from mimoc.schema.kinds import SenseKind
 from mimoc.components.senses.vestibular import VestibularEntry, VestibularSpec
 KIND = SenseKind("echo", VestibularSpec, VestibularEntry, {build!r}, "mimoc.components.senses.vestibular.run")
 """
-USABLE = RECORD.format(build="mimoc.components.senses.vestibular.build")
+USABLE = RECORD.format(build="mimoc.components.senses.vestibular")
 
 
 def senses(plugins: str | None, monkeypatch) -> tuple[list[str], str]:
-    """Return the senses that a new process knows, and what it prints besides them."""
     monkeypatch.delenv("MIMOC_PLUGINS") if plugins is None else monkeypatch.setenv("MIMOC_PLUGINS", plugins)
     program = "import mimoc; mimoc.InfantSpec; from mimoc.schema.kinds import SENSES; print(*SENSES)"
     process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
@@ -289,8 +288,6 @@ def test_a_kind_of_the_same_name_from_elsewhere_does_not_count(bundle_at, tmp_pa
 
 
 class Clock:
-    """A sense that has everything it can have."""
-
     delay_ms = 10
 
     def bind(self, model, bundle):
@@ -302,8 +299,6 @@ class Clock:
 
 
 class Countdown:
-    """A task that has everything it can have."""
-
     steps = 3
     spaces = {"left": gymnasium.spaces.Box(0.0, 3.0, (1,), np.float32)}  # noqa: RUF012 - As a user would write it.
 
@@ -372,5 +367,5 @@ def test_a_delay_that_is_no_whole_number_of_physics_steps_is_refused(spec_at):
 def test_tasks_and_policies_of_others_are_in_their_tables(registered):
     task = TASKS["free"]
     own = TaskKind("nap", task.spec, task.entry, task.build, task.run)
-    with registered(PolicyKind("still", "does nothing", "mimoc.policies.zero")), registered(own):
+    with registered(PolicyKind("still", "does nothing", many="mimoc.policies.policy:bind_zero")), registered(own):
         assert list(TASKS)[-1] == "nap"

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mimoc.anatomy.part import Development, PartKind, ReferenceGeom, ReferenceMotor, ReferencePart
-from mimoc.anatomy.parts import ARM, EYES, FLAT_FEET, HEAD, LEG, PARTS, TRUNK, feet_of
+from mimoc.anatomy.parts import ARM, EYES, FLAT, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.anatomy.parts.trunk import CHEST_JOINTS, CHEST_MOTORS, FOLDING, MIMOS_PAIRS
 from mimoc.anatomy.published_figures import published_part
 from mimoc.base.errors import KindError
@@ -116,7 +116,7 @@ def assemble(
     masses_kg = {name: mass_kg for kind in kinds for name, mass_kg in kind.masses_kg.items()}
     if development == "published":
         masses_kg.pop("ub3", None)  # The published masses of both bodies' shoulder girdles are the same.
-        two_toed = right_foot is not FLAT_FEET[0]
+        two_toed = right_foot is not FLAT
         for name, sided in sections.items():
             sections[name] = tuple((side, published_part(part, two_toed)) for side, part in sided)
     all_parts = sum(sections.values(), ())

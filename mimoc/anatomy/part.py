@@ -125,7 +125,7 @@ class ReferenceJoint:
     armature_kgm2: float
     springref_deg: float = 0.0
     left_axis: Vec3 | None = None
-    """Of the left side, where it is not the mirror image of the right one's."""
+    """Axis of the left side, where it is not the mirror image of the right one's."""
 
 
 @dataclass(frozen=True, slots=True)

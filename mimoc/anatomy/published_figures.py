@@ -43,7 +43,7 @@ TWO_TOED_SIZES_M: Sizes = {
     "{side}_big_toe1": (0.0095, 0.007, 0.0099),
     "{side}_big_toe2": (0.01, 0.0075),
 }
-"""Those of the feet of the body with five fingers."""
+"""Sizes of the feet of the body with five fingers."""
 ARM_DEG = (170.0, 0.0, 0.0)
 """Turn of hanging right upper arms when all joints are at zero: 10 degrees from the vertical."""
 
@@ -99,7 +99,7 @@ FMAX: Mapping[str, tuple[float, float]] = {
     "toes": (2.947, 0.8440),
 }
 """FMAX of the muscles in each motor's place, towards negative and positive angles (Mattern et al. 2024)."""
-HALF_OF_TOES_FMAX = (1.473, 0.4220)  # Those of the big toe, and of the other toes beside it.
+HALF_OF_TOES_FMAX = (1.473, 0.4220)  # FMAX of the big toe, and of the other toes beside it.
 
 DEFECTS: Mapping[str, str] = {
     "curves": "the curves were fitted without newborns, and with children of 3 to 5 months at 3: three of them fall "

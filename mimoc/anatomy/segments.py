@@ -113,7 +113,7 @@ class Hand:
     half_breadth_m: float  # Across the knuckles.
     half_fist_m: float  # Across the fist, thumb included.
     half_thickness_m: float
-    finger_radius_m: float  # Of the middle finger.
+    finger_radius_m: float  # Radius of the middle finger.
     thumb_radius_m: float
 
 
@@ -130,9 +130,9 @@ class Foot:
 class Proportions:
     """Proportions that determine all shapes of an infant."""
 
-    head_radius_m: float  # Of a circle with the head's circumference.
+    head_radius_m: float  # Radius of a circle with the head's circumference.
     head_half_axes_m: tuple[float, float]
-    """Of the head's level section, an ellipse with the same circumference: half its length and half its breadth."""
+    """Half axes of the head's level section, an ellipse with the same circumference: half its length and breadth."""
     trunk: Trunk
     upper_arm: Limb
     forearm: Limb

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-_MAX_NAMES = 40  # That an error lists when none is similar.
+_MAX_NAMES = 40  # Largest number of names that an error lists when none is similar.
 
 
 class MimocError(Exception):

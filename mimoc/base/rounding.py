@@ -7,18 +7,10 @@ from collections.abc import Mapping
 from json.encoder import encode_basestring
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-LEAST_NORMAL = sys.float_info.min
+MIN_NORMAL = sys.float_info.min
 SIGNIFICANT_DIGITS = 9  # Enough for any body (a nanometre on a metre), too few to show in which order sums were taken.
 
-MOST_DECIMALS = 6  # Of numbers that people read: what is smaller counts as none.
-NEAR_HALF = 1e-6  # Of the last digit, where it takes the exact decimals of a number to tell whether it is rounded up.
-TENS = np.array([float(f"1e{exponent}") for exponent in range(23)])
-"""The powers of ten that a float holds without error."""
-LEAST, LARGEST = 1e-13, 1e8
-"""Numbers between these need no other power of ten to become integers of all significant digits."""
+MAX_DECIMALS = 6  # Decimals of numbers that people read; a smaller number counts as 0.
 
 
 def significant(value: float, digits: int) -> float:
@@ -38,7 +30,7 @@ def readable(value: float, digits: int = 3) -> str:
     if not math.isfinite(value):
         return "-"
     size = math.floor(math.log10(abs(value))) if value else 0
-    decimals = min(max(digits - 1 - size, 0), MOST_DECIMALS)
+    decimals = min(max(digits - 1 - size, 0), MAX_DECIMALS)
     text = f"{round(value, decimals) + 0.0:.{decimals}f}"  # The sum turns -0.0 into 0.
     return text.rstrip("0").rstrip(".") if "." in text else text
 
@@ -55,35 +47,7 @@ def rounded(data: Any) -> Any:
 
 
 def _rounded(number: float) -> float:
-    return 0.0 if -LEAST_NORMAL < number < LEAST_NORMAL else float(f"{number:.{SIGNIFICANT_DIGITS}g}")
-
-
-def rounded_array(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return an array with every float rounded as it is in files."""
-    if array.dtype.kind != "f":
-        return array
-    numbers = array.ravel()
-    result, known = _quickly_rounded(numbers)
-    rest = numbers[~known].astype(float)
-    rest[np.abs(rest) < LEAST_NORMAL] = 0.0
-    result[~known] = (f"%.{SIGNIFICANT_DIGITS}g " * len(rest) % tuple(rest.tolist())).split()
-    return result.reshape(array.shape)
-
-
-def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
-    """Return rounded numbers, and which of them are known to be what their text says: most numbers of a body.
-
-    The quotient of two numbers without error is the nearest to the decimal, as is what is read from a text.
-    """
-    sizes = np.abs(numbers.astype(float))
-    usual = (sizes > LEAST) & (sizes < LARGEST)
-    sizes[~usual] = 1.0
-    tens = TENS[SIGNIFICANT_DIGITS - 1 - np.floor(np.log10(sizes)).astype(int)]
-    scaled = sizes * tens
-    digits = np.rint(scaled)
-    result = np.copysign(digits / tens, numbers).astype(numbers.dtype)
-    are_all = (digits >= TENS[SIGNIFICANT_DIGITS - 1]) & (digits < TENS[SIGNIFICANT_DIGITS])
-    return result, usual & are_all & (np.abs(np.abs(scaled - digits) - 0.5) > NEAR_HALF)
+    return 0.0 if -MIN_NORMAL < number < MIN_NORMAL else float(f"{number:.{SIGNIFICANT_DIGITS}g}")
 
 
 def render_json(data: Any, levels: int = 99) -> bytes:

@@ -2,7 +2,7 @@
 
 CM_PER_M = 100.0
 MM_PER_CM = 10.0
-GRAVITY_M_S2 = 9.81  # Of all scenes.
+GRAVITY_M_S2 = 9.81  # Gravitational acceleration in all scenes.
 DAYS_PER_MONTH = 365.25 / 12  # As WHO's Child Growth Standards count months (30.4375 days).
 
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mimoc.base.errors import ContractureError
-from mimoc.body.joints import LARGEST_SHARE
+from mimoc.body.joints import MAX_MARGIN_SHARE
 from mimoc.body.origins import Origin
 from mimoc.body.tree import BodyTree, Joint, Motor, StretchReflex, Tone
 from mimoc.schema.impairments import PRETERM_WEEKS, ImpairmentsSpec, ToneSpec
@@ -27,7 +27,7 @@ THRESHOLD_RAD_S = 1.0  # w_0, an assumption: slow movements stretch without a re
 SPASTIC: Mapping[str, tuple[int, ...]] = {"elbow": (-1,), "hip1": (-1,), "hip2": (1,), "foot1": (-1,)}
 """Signs of the torques of the muscles that are spastic at some joints: flexors of elbow and hip, adductors, and those
 that point the foot (clinical pattern of spasticity; from memory, so an assumption). At all others, both ways are."""
-LEAST_PRETERM_TONE, LEAST_WEEKS = 0.5, 25.0
+MIN_PRETERM_TONE, MIN_WEEKS = 0.5, 25.0
 """Share of newborn tone that is left at term of children born that early; at birth from 37 weeks on all of it, and in
 proportion between. That preterm infants have less flexor tone at term was found by Palmer et al. 1982 (Neuropediatrics
 13: 183-189) and Ricci et al. 2008 (Early Hum Dev 84: 751-761); how much less is an assumption."""
@@ -106,8 +106,8 @@ def _preterm_tone(impairments: ImpairmentsSpec) -> float:
     weeks = impairments.complete.gestation_weeks
     if weeks is None:
         return 1.0
-    missing = min(max(PRETERM_WEEKS - weeks, 0.0) / (PRETERM_WEEKS - LEAST_WEEKS), 1.0)
-    return 1 - (1 - LEAST_PRETERM_TONE) * missing
+    missing = min(max(PRETERM_WEEKS - weeks, 0.0) / (PRETERM_WEEKS - MIN_WEEKS), 1.0)
+    return 1 - (1 - MIN_PRETERM_TONE) * missing
 
 
 def _floppy(joint: Joint, share: float, key: str) -> Joint:
@@ -129,7 +129,7 @@ def _contracted(joint: Joint, movement: str, range_deg: tuple[float, float], key
         (attribute, f"; within [{range_deg[0]:g}, {range_deg[1]:g}] degrees, a contracture ({key})", key)
         for attribute in ("range", "springref")
     )
-    margin_deg = min(joint.margin_deg, LARGEST_SHARE * (left[1] - left[0]))
+    margin_deg = min(joint.margin_deg, MAX_MARGIN_SHARE * (left[1] - left[0]))
     rest_deg = min(max(joint.springref_deg, left[0]), left[1])
     return replace(
         joint, range_deg=left, springref_deg=rest_deg, margin_deg=margin_deg, changes=(*joint.changes, *changes)

@@ -14,7 +14,7 @@ them over all postures, the stiffness k = kappa W, armature a, and the damping r
     c = 2 zeta sqrt((k + W) (I + a))
 
 The neck has MIMo's stiffness, and other joints have MIMo's figures. Angles go from the newborn's to those of 18 months:
-q = q_18 + (q_0 - q_18) decay(age). Muscle tone is no spring; see `mimoc.body.tone`.
+q = q_18 + (q_0 - q_18) decay(age). Muscle tone is no spring; see `mimoc.body.strength`.
 
 Limits stop a joint at the ends of its range. A limit is a spring with a damper, at its critical damping with a time
 constant tau: a joint that arrives at the speed w goes w tau / e too far, and up to w h more with physics steps of h,
@@ -40,8 +40,7 @@ from mimoc.body.maturation import EYES, FINGERS, FISTS, NECK, Decay, heavier, ma
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
-from mimoc.body.strength import FASTEST_RAD_S
-from mimoc.body.tone import TONE
+from mimoc.body.strength import FASTEST_RAD_S, TONE
 from mimoc.body.tree import BodyTree, Joint, MaturationFactors, mirror, mirror_turn
 
 PUBLISHED_TAU_S, TAU_S = 0.02, 0.01
@@ -53,7 +52,7 @@ that at which motors no longer pull."""
 LIGHT_KGM2 = 5e-4  # Largest armature of fingers and toes at 18 months (MIMo).
 OVERSHOOT_DEG = 8.0  # Goal of the largest overshoot (D); contacts and other joints add to it.
 STEP_S = 0.005  # Physics step h for which joints stop in time.
-LARGEST_SHARE = 0.25  # Largest margin, as a share of the range: half of a small range stays free (D).
+MAX_MARGIN_SHARE = 0.25  # Largest margin, as a share of the range: half of a small range stays free (D).
 
 
 def limits_of(development: Development) -> tuple[tuple[str, tuple[float, ...]], ...]:
@@ -66,7 +65,7 @@ def limit_margin(figures: ReferenceJoint, group: str, range_deg: tuple[float, fl
     """Return how far before both ends of its range a joint's limits act by the law `maturing`, m, in [deg]."""
     low, high = range_deg
     return min(
-        max(0.0, math.degrees(_speed_rad_s(figures, group) * STEP_S) - OVERSHOOT_DEG), LARGEST_SHARE * (high - low)
+        max(0.0, math.degrees(_speed_rad_s(figures, group) * STEP_S) - OVERSHOOT_DEG), MAX_MARGIN_SHARE * (high - low)
     )
 
 
@@ -75,7 +74,7 @@ def margin_origin(joint: str, figures: ReferenceJoint, group: str) -> Origin:
     rule = (
         f"how far before both ends of its range limits act by {LAW}: {_speed_rad_s(figures, group):g} rad/s x "
         f"{1000 * STEP_S:g} ms - {OVERSHOOT_DEG:g} degrees that a joint so fast may still go too far, but no more than "
-        f"{LARGEST_SHARE:g} x the range (D)"
+        f"{MAX_MARGIN_SHARE:g} x the range (D)"
     )
     return Origin(rule, (f"joint.{joint}.range", LAW_KEY))
 
@@ -119,9 +118,9 @@ RELAXED: Mapping[str, Relaxed] = {
 """Joints that swing; the head's W and I are those of the published, lighter head, since all of a neck grows with it."""
 
 EYE_ARMATURE, EYE_DAMPING_PER_S, EYE_STIFFNESS_PER_S2 = 0.1, 20.0, 20.0
-"""Of eyes: factor on MIMo's armature, then damping and stiffness by armature (D): infants' saccades are nearly as fast
-as adults' (Hainline et al. 1984, S)."""
-LEAST_ARMATURE_KGM2 = 5e-4
+"""Factor on MIMo's armature of eyes, and their damping and stiffness by armature (D): infants' saccades are nearly as
+fast as adults' (Hainline et al. 1984, S)."""
+MIN_ARMATURE_KGM2 = 5e-4
 """Least armature at 18 months but of eyes and of joints that close a hand: MIMo's of a mitten's toes. Two-toed feet,
 thumbs and fingers that spread have 1e-4 in MIMo: their motors accelerate them by up to 3,600 rad/s2, and blows throw
 them beyond their ends (D)."""
@@ -244,8 +243,8 @@ def figures_at_18(figures: ReferenceJoint, group: str) -> PassiveFigures:
         armature, damping = FINGER_ARMATURE * armature, FINGER_DAMPING * damping
         why["armature"] += f" x {FINGER_ARMATURE:g} for newborns' stronger fingers (D)"
         why["damping"] += f" x {FINGER_DAMPING:g} for newborns' stronger fingers (D)"
-    elif armature < LEAST_ARMATURE_KGM2:
-        armature, why["armature"] = LEAST_ARMATURE_KGM2, f"{LEAST_ARMATURE_KGM2:g}, as of toes that move together (D)"
+    elif armature < MIN_ARMATURE_KGM2:
+        armature, why["armature"] = MIN_ARMATURE_KGM2, f"{MIN_ARMATURE_KGM2:g}, as of toes that move together (D)"
     elif relaxed := RELAXED.get(figures.name):
         armature *= relaxed.armature
         if relaxed.armature != 1:

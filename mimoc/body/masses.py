@@ -16,10 +16,10 @@ from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, REFERENCE, Origin
 from mimoc.body.reference import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS, Reference
 from mimoc.body.shapes import Shapes
 
-NECK_SHARE = 0.08  # Of the neck in the mass of head and neck (D).
-LEAST_TRUNK = 0.4
-"""Of its mass by the published law, which a trunk keeps in any case; it limits the heads of children far outside of
-WHO's percentiles."""
+NECK_SHARE = 0.08  # Share of the neck in the mass of head and neck (D).
+MIN_TRUNK_SHARE = 0.4
+"""Least share of its mass by the published law that a trunk keeps; it limits the heads of children far outside of WHO's
+percentiles."""
 THIGH, TISSUE_KG_M3 = "{side}_upper_leg1", 1060.0
 """The geom of a thigh, and its density: that of muscle (M). MIMo's is 790 to 950, with which thighs weigh two thirds of
 what Sun & Jensen 1994 (M) found at 2 to 9 months."""
@@ -80,13 +80,13 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
 
     With g the gain of the head, m the published masses and f = rho V those of a leg's thigh and foot with the density
     of tissue and the height of their age, the trunk keeps the share t = 1 - ((g - 1) m_head + 2 (f - m)) / m_trunk,
-    which is at least `LEAST_TRUNK`. Gain and share are those of the child before its spec changes any single part.
+    which is at least `MIN_TRUNK_SHARE`. Gain and share are those of the child before its spec changes any single part.
     """
     trunk = [geom for _, part in reference.anatomy.parts if part.region == "trunk" for geom in part.geoms]
     usual_kg, usual_legs_kg = _published_kg(reference, shapes.usual_m3), _legs_kg(reference, shapes.usual)
     trunk_kg = math.fsum(usual_kg[geom.name] for geom in trunk)
     leg_kg = math.fsum(kg - usual_kg[name] for name, kg in usual_legs_kg.items())
-    gain = min(reference.head_gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * leg_kg) / usual_kg["head"])
+    gain = min(reference.head_gain, 1 + ((1 - MIN_TRUNK_SHARE) * trunk_kg - 2 * leg_kg) / usual_kg["head"])
     left = 1 - ((gain - 1) * usual_kg["head"] + 2 * leg_kg) / trunk_kg
 
     def of_side(side: str) -> dict[str, float]:

@@ -12,7 +12,7 @@ relative to a child of the same length with the average child's proportions (D).
 above what its length asks for is free of fat, and .48 at 6 months. Perng et al. 2017 (Am J Clin Nutr 106: 559, S) find
 .34 of .46 kg for each SD of newborns' weight, and that at 5 months weight for length goes with fat more than with lean.
 
-A child born early has 3 % more fat at term, and no more from 3 months on (`mimoc.fits.preterm`).
+A child born early has 3 % more fat at term, and no more from 3 months on (`mimoc.fits.standards`).
 
 A child of rate k is as mature at age t as the average child at k t: strength beyond what size explains, muscle tone,
 ranges of joints, fists and grasp. Size, proportions, delays, noise and acuity follow the age itself (D).
@@ -30,7 +30,8 @@ from mimoc.body.origins import Origin
 from mimoc.body.reference import HEIGHT, Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.tree import MaturationFactors
-from mimoc.fits import Measurements, fat, preterm
+from mimoc.fits import Measurements
+from mimoc.fits.standards import fat_percent, mean_fat_percent, more_fat_percent
 from mimoc.schema.body import FAT, IndividualSpec
 from mimoc.schema.infant import InfantSpec
 
@@ -60,7 +61,7 @@ def composition(child: Measurements, spec: InfantSpec) -> Composition:
     individual, early = spec.body.individual or IndividualSpec.model_construct(), spec.birth_keys
     if spec.body.individual is None and not early:
         return AVERAGE
-    usual, percent = fat.mean_percent(child.age_months), _fat_percent(child, individual, spec.months_early)
+    usual, percent = mean_fat_percent(child.age_months), _fat_percent(child, individual, spec.months_early)
     gain = 1.0 if percent == usual else (100 - percent) / (100 - usual)
     given = [key for key in FAT if getattr(individual, key) is not None]
     sizes = [key for key in SIZES if getattr(individual, key)]
@@ -72,10 +73,10 @@ def _fat_percent(child: Measurements, individual: IndividualSpec, months_early: 
     if individual.fat_percent is not None:
         return individual.fat_percent
     if individual.fat_percentile is not None:
-        return fat.percent(NormalDist().inv_cdf(individual.fat_percentile / 100), child.age_months)
-    more = preterm.more_fat_percent(months_early, child.age_months)
+        return fat_percent(NormalDist().inv_cdf(individual.fat_percentile / 100), child.age_months)
+    more = more_fat_percent(months_early, child.age_months)
     build = child.slenderness**2 if any(getattr(individual, key) is not None for key in SIZES) else 1.0
-    return (fat.mean_percent(child.age_months) + more) / build
+    return (mean_fat_percent(child.age_months) + more) / build
 
 
 NECK = "neck"

@@ -8,8 +8,8 @@ from statistics import NormalDist
 from mimoc.base.errors import GeometryError, IndividualError
 from mimoc.base.geometry.solvers import root
 from mimoc.base.units import cm_to_m, m_to_cm
-from mimoc.fits import Measured, Measurements, load_tables, preterm
-from mimoc.fits.who import Reference, Sex
+from mimoc.fits import Measured, Measurements, load_tables
+from mimoc.fits.standards import PRETERM_Z_AT_TERM, Reference, Sex, preterm_share
 from mimoc.schema.body import HEADS_CM, INDICATORS, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.schema.infant import InfantSpec
 
@@ -76,18 +76,18 @@ def asked_targets(spec: InfantSpec) -> Targets | None:
 def birth_targets(spec: InfantSpec, average: Measurements, weigh: Weigh, height: Height) -> Targets | None:
     """Return the measures that children born as early usually have at its age; None of a child born at term.
 
-    They differ from the average child's by a share of the standard deviations of `mimoc.fits.preterm`:
+    They differ from the average child's by a share of the standard deviations `PRETERM_Z_AT_TERM`:
     z = z(average) + share x z_at_term.
     """
     if not spec.months_early:
         return None
     individual, age_months = spec.body.individual, average.age_months
-    share = preterm.share(spec.months_early, age_months)
+    share = preterm_share(spec.months_early, age_months)
     reference: Reference = (individual and individual.sex) or "mean"
 
     def smaller(indicator: str, usual: float) -> float:
         standard = load_tables().who[indicator]
-        z = standard.z_score(usual, age_months, reference) + share * preterm.Z_AT_TERM[indicator]
+        z = standard.z_score(usual, age_months, reference) + share * PRETERM_Z_AT_TERM[indicator]
         return standard.value(z, age_months, reference)
 
     return Targets(

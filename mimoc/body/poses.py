@@ -32,7 +32,7 @@ class Rollers:
     centres: FloatArray  # Shape (p, k, 3), [m].
     rotations: FloatArray  # Hip from geom, shape (p, k, 3, 3).
     reach: Extents  # From their centres, shapes (p, k, 3), [m].
-    centres_of_mass: FloatArray  # Of the whole body, shape (p, 3), [m].
+    centres_of_mass: FloatArray  # Centre of mass of the whole body, shape (p, 3), [m].
 
     def rest(self, pitches_rad: FloatArray) -> list[tuple[float, float]]:
         """Return the pitch at which the body comes to rest from others, (p,), and the height of its hip there, in [m].

@@ -39,7 +39,7 @@ NEWBORN_KG, KG_PER_MONTH = 0.062, 0.0075
 
 It is the mean of two regressions, Sun & Jensen 1994 (.0522 + .00212 weeks) and Schneider & Zernicke 1992 (.0029 mass +
 1.24 length / 100 + 1.93 breadth / 100 - .1025; kg, cm), which are up to .08 kg apart."""
-PRECISION = 1e-12  # Of a relative height, so that no digit in a file depends on the search for it.
+PRECISION = 1e-12  # Precision of a relative height, such that no digit in a file depends on the search for it.
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Reference:
     volumes_m3: Mapping[str, float]
     """At which motors have MIMo's torques, by geom with `{side}`: of MIMo's geoms at 18 months; by the published law,
     of the reference body's, which are not quite those of that age."""
-    densities_kg_m3: Mapping[str, float]  # Likewise; 0 for geoms without mass.
+    densities_kg_m3: Mapping[str, float]  # Densities of the same geoms; 0 for geoms without mass.
     length_m: float
     age_months: float
     head_gain: float = 1.0

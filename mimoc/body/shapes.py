@@ -127,12 +127,12 @@ T = TypeVar("T")
 class Shapes:
     """The shapes of a child's parts, by side: `right`, `left`, and empty for the middle."""
 
-    built: Mapping[str, BodyGeometry]  # As they are built, by the child's law of development.
+    built: Mapping[str, BodyGeometry]  # Shapes as they are built, by the child's law of development.
     mimos_m3: Mapping[str, Volumes]
-    """Of MIMo's solids with the child's measurements, by the growth law of the paper: only the published law builds
-    them."""
+    """Volumes of MIMo's solids with the child's measurements, by the growth law of the paper: only the published law
+    builds these solids."""
     usual: BodyGeometry
-    """As they would be built if the spec replaced no measurement and scaled no part, of the middle and both sides."""
+    """Shapes that would be built if the spec replaced no measurement and scaled no part: of all sides."""
     usual_m3: Volumes  # Volumes of MIMo's solids then.
 
     def of_sides(self, function: Callable[[str], T]) -> dict[str, T]:

@@ -1,4 +1,4 @@
-"""Strength: the torque of each motor by age and size, and what a spec asks for on top of it.
+"""Strength and muscle tone: the torque of each motor by age and size, and what a spec asks for on top of it.
 
 A motor's torque at full command is
 
@@ -16,6 +16,15 @@ prone infants lift their heads, `AXIAL_MONTHS` to that at which they sit, `LIMB_
 Multicentre Growth Reference Study Group 2006; Denver II, Frankenburg et al. 1992), and `NEWBORN_ARM_SHARE` to supine
 newborns whose hands are above their shoulders. The ages of all other milestones are predicted. The three groups and the
 power were chosen with the least strengths that the trials need in view. Strength of hands is a guess (D).
+
+Tone is what a quiet infant's muscles do without a command. It is a drive and no spring: it acts within the limits of a
+motor's strength, grows with arousal, and is gone when an infant is slack. Of a quiet infant, its torque is
+
+    tau = -k (q - q_0),    k = kappa W s M(age)
+
+with the greatest weight moment W of what hangs on the joint at 18 months, the growth s of passive joints (see
+`mimoc.body.joints`), and the newborn share M, 1 at birth. The angles q_0 lie beyond the posture that tone holds against
+gravity, since a flexor does not resist flexion.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,16 +32,77 @@ from dataclasses import dataclass, replace
 
 from mimoc.anatomy.part import ReferenceMotor
 from mimoc.anatomy.published_figures import as_published
-from mimoc.body import origins
-from mimoc.body.maturation import EYES, FINGERS, HAND, NECK, Decay, RelativeVolumes, heavier, matured, size_gain
-from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
+from mimoc.body.maturation import EYES, FINGERS, FISTS, HAND, NECK, Decay, RelativeVolumes, heavier, matured, size_gain
+from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.reference import Reference
-from mimoc.body.tone import tone_of
-from mimoc.body.tree import BodyTree, MaturationFactors, Motor
+from mimoc.body.tree import BodyTree, MaturationFactors, Motor, Tone
 from mimoc.schema.names import PAIRED_GROUPS
 
+TONE = Decay(2.5, 1.5)  # Flexor tone, shed over 2 to 4 months and gone by 6 (Amiel-Tison; Ballard 1991; M).
+
+
+@dataclass(frozen=True, slots=True)
+class NewbornTone:
+    """Tone at birth, for a body of the size of 18 months."""
+
+    stiffness_nm_per_rad: float  # kappa W (D).
+    angle_deg: float  # q_0 (D).
+
+
+_FINGERS = {"ff": 0.006, "mf": 0.012, "rf": 0.008, "lf": 0.002}
+"""k of the knuckles, by finger: by a radian, a tenth of their strength at 18 months, or 3 % of a newborn's (D). A hand
+that is straightened is a fist again within 3 s; by half of MIMo's stiffness, it would take half a minute."""
+_JOINTS = {"knuckle": (1.0, 65.0), "middle": (0.6, 65.0), "distal": (0.25, 50.0)}
+"""k by that of the knuckle, as strength is, and q_0."""
+
+
+def _fist(joint: str) -> NewbornTone:
+    _, finger, place = joint.rsplit("_", 2)
+    share, angle_deg = _JOINTS[place]
+    return NewbornTone(share * _FINGERS[finger], angle_deg)
+
+
+NEWBORN_TONE: Mapping[str, NewbornTone] = {
+    "robot:{side}_hip1": NewbornTone(0.38 * 2.21, -130.0),
+    "robot:{side}_hip2": NewbornTone(0.95 * 2.21, -30.0),
+    "robot:{side}_hip3": NewbornTone(1.0 * 0.614, 40.0),
+    "robot:{side}_knee": NewbornTone(2.5 * 0.648, -88.0),
+    "robot:{side}_elbow": NewbornTone(2.5 * 0.215, -100.0),
+    "robot:{side}_foot1": NewbornTone(0.5 * 1.29, 20.0),
+    "robot:{side}_fingers": NewbornTone(0.5 * 0.017, -100.0),
+    **{joint: _fist(joint) for joint in FISTS},
+}
+"""Chosen such that newborns rest with hips bent by 55 degrees, knees by 90 and elbows by 90, and kick by 50 degrees
+with less than .8 of their strength (posture: Amiel-Tison, Ballard, M; k, q_0: D). Of ankles and mittens, k is half of
+MIMo's stiffness of their joints."""
+
+SOURCE = "posture of newborns: Amiel-Tison, Ballard, M; fitted to it, D"
+
+
+def tone_of(joint: str, size: float, age_months: float) -> Tone | None:
+    """Return the tone of a joint, named with `{side}`, of passive growth *size*; None if it has none yet."""
+    newborn, share = NEWBORN_TONE.get(joint), TONE(age_months)
+    if newborn is None or not share:
+        return None
+    return Tone(newborn.stiffness_nm_per_rad * size * share, newborn.angle_deg)
+
+
+def tone_origin(motor: Motor) -> Origin:
+    """Return where the muscle tone of a motor comes from."""
+    if motor.tone is None:
+        return Origin("no muscle tone at this joint and age", (AGE_KEY, LAW_KEY))
+    rule = (
+        f"muscle tone of a quiet infant by {LAW}, {motor.tone.stiffness_nm_per_rad:.6g} N m/rad towards "
+        f"{motor.tone.angle_deg:g} degrees, within the strength of the motor ({SOURCE}; lost over 2 to 4 months, M)"
+    )
+    origin = Origin(rule, (LENGTH_KEY, AGE_KEY, LAW_KEY, "spec.actuation.arousal"))
+    for key, factor in motor.tone.factors:
+        origin = origin.times(f", of which {factor:.6g} is counted in ({key})", key)
+    return origin
+
+
 STRENGTH_KEY = "spec.actuation.strength"
-AGE_KEY = "spec.actuation.strength_age_months"
+STRENGTH_AGE_KEY = "spec.actuation.strength_age_months"
 
 NEWBORN_SHARE, NEWBORN_ARM_SHARE = 0.24, 0.12
 """Strength at birth relative to 18 months, beyond what size explains: fitted (D)."""
@@ -160,7 +230,7 @@ def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Moto
     motors = []
     for motor, usual, other in zip(tree.motors, now, then, strict=True):
         factor = other.gear_nm / usual.gear_nm
-        gear_nm, factors = motor.gear_nm * factor, ((AGE_KEY, factor),)
+        gear_nm, factors = motor.gear_nm * factor, ((STRENGTH_AGE_KEY, factor),)
         motors.append(replace(motor, gear_nm=gear_nm, force_range=other.force_range, factors=factors))
     return replace(tree, motors=tuple(motors))
 
@@ -193,7 +263,7 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
     if tree.growth:
         _, why = _gain(figures, group, tree.growth)
         lean_keys = () if group in (EYES, NECK) else tree.growth.lean_keys
-        gear = gear.times(why, LENGTH_KEY, origins.AGE_KEY, LAW_KEY, *lean_keys)
+        gear = gear.times(why, LENGTH_KEY, AGE_KEY, LAW_KEY, *lean_keys)
         gear = gear if group == EYES else matured(gear, tree.growth)
     else:
         gear = gear.times(", by the law `published`", LAW_KEY)
@@ -204,6 +274,6 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
 
 def published_fmax(motor: Motor, what: str) -> Origin:
     """Return where the strength of a motor's muscles comes from by the published law, where no age changes it."""
-    factors = {key: factor for key, factor in motor.factors if key != AGE_KEY}
+    factors = {key: factor for key, factor in motor.factors if key != STRENGTH_AGE_KEY}
     times = "".join(f" x {factor:.6g} ({key})" for key, factor in factors.items())
     return Origin(f"{what} ({REFERENCE}){times}{as_published('constant')}", (LAW_KEY, *factors))

@@ -291,10 +291,7 @@ MOST_MANIFEST_BYTES = 2**22  # 4 MB; a room with fifty toys and an infant with t
 
 
 def to_data(manifest: Manifest) -> dict[str, Any]:
-    """Return what is written of a manifest; a sense from outside, or a recent one, that the infant has not is left out.
-
-    So a bundle can be read where that sense is unknown.
-    """
+    """Return what is written of a manifest: without senses of plug-ins, and recent ones, that the infant lacks."""
     data = manifest.model_dump()
     left_out = {name for name in SENSES if SENSES.distribution(name) != "mimoc" or SENSES[name].omit_if_absent}
     unused = {name for name in left_out if data["senses"][name] is None}

@@ -15,10 +15,9 @@ import numpy.typing as npt
 from mimoc.base.errors import BundleError, ModelError, UnknownNameError
 from mimoc.base.geometry.primitives import Extents, Kind, extents
 from mimoc.base.units import ms_to_s
-from mimoc.bundle.asset_check import check_assets
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.mjcf_check import read_mjcf
+from mimoc.bundle.mjcf_check import check_assets, read_mjcf
 from mimoc.bundle.regular_files import first_of
 from mimoc.schema.base import Model, on_recompose
 from mimoc.schema.entries import NameOf
@@ -37,11 +36,7 @@ BREAKDOWNS = tuple(map(int, (_WARNINGS.mjWARN_BADQPOS, _WARNINGS.mjWARN_BADQVEL,
 
 
 def load_model(bundle: Bundle) -> mujoco.MjModel:
-    """Return the compiled scene of a bundle.
-
-    Raises a BundleError for what mimoc does not write, of which MuJoCo reads nothing, and a ModelError if MuJoCo
-    rejects it.
-    """
+    """Return the compiled scene of a bundle; BundleError if it is none of mimoc's, ModelError if MuJoCo rejects it."""
     check_files(bundle)
     model = read_model(bundle.files, bundle.manifest.scene)
     check_model(bundle, model)
@@ -132,10 +127,7 @@ def check_contacts(data: mujoco.MjData) -> None:
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state in a pose or its own, all derived from it.
-
-    Raises a ModelError if MuJoCo rejects the model, an UnknownNameError if the bundle has no such pose.
-    """
+    """Return the compiled scene of a bundle, and its state in a pose, by default its own; see `load_model`."""
     pose = pose_of(bundle.manifest, pose)
     model = load_model(bundle)
     with bounded():

@@ -49,11 +49,7 @@ def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
 
 
 def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
-    """Return the provenance of numbers, by key, from what is written.
-
-    Raises:
-        ValueError: If it would be far larger than any. What is written may also lack what it refers to.
-    """
+    """Return the provenance of numbers, by key, from what is written; a ValueError says that it would be too large."""
     phrases, sources = written[PHRASES], written[SOURCES]
     numbers = _numbers(written[NUMBERS], written[ORIGINS])
     if _size(numbers.values(), phrases, sources) > MOST_UNPACKED:

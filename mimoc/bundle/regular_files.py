@@ -6,11 +6,12 @@ import stat
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
-from typing import BinaryIO, TypeVar
+from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
-from pydantic import ValidationError
+if TYPE_CHECKING:  # Commands check names of files before pydantic is needed.
+    from pydantic import ValidationError
 
-from mimoc.schema.base import Model
+    from mimoc.schema.base import Model
 
 MOST_BYTES = 2**26  # Of one file; 64 MB.
 MOST_BYTES_IN_ALL = 2**27  # Of all files of a bundle, of which infants with the densest skin have a tenth.
@@ -162,7 +163,7 @@ def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> Binar
 MOST_JSON_BYTES = 2**22  # Of a file, unless its reader knows better; 4 MB.
 _SHOWN = 3
 
-Data = TypeVar("Data", bound=Model)
+Data = TypeVar("Data", bound="Model")
 
 
 def read_json_file(
@@ -182,13 +183,15 @@ def read_json_file(
 
 def parse_json(content: bytes, kind: type[Data]) -> Data:
     """Return JSON as data of a type, or raise an UnusableFileError; see `read_json_file`."""
+    from pydantic import ValidationError
+
     try:
         return kind.model_validate_json(content, strict=True)
     except ValidationError as error:
         raise UnusableFileError(problems_in(error)) from None
 
 
-def problems_in(error: ValidationError) -> str:
+def problems_in(error: "ValidationError") -> str:
     """Return what is wrong with the data of a file, key by key, in one line of printable text."""
     problems = [
         ": ".join([".".join(map(str, problem["loc"])), problem["msg"].removeprefix("Value error, ")]).removeprefix(": ")

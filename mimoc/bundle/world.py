@@ -20,7 +20,7 @@ from mimoc.schema.base import Model, omitting
 from mimoc.schema.caregiver import CaregiverEntry
 from mimoc.schema.entries import ControlStep, Duration, Keyframe, Label
 from mimoc.schema.objects import ObjectEntry
-from mimoc.schema.world import MOST_INFANTS
+from mimoc.schema.world import MAX_INFANTS
 
 INFANTS = "infants"  # Folder with a folder for each infant, by its name.
 START = "start"  # Keyframe in which all infants are in the poses that their specs give.
@@ -42,7 +42,7 @@ class WorldManifest(Model):
     pose: Keyframe = START
     """Keyframe that an episode starts from by default."""
     infants: Annotated[
-        tuple[Annotated[Label, Field(pattern="^[a-z][a-z0-9_]*$")], ...], Field(min_length=1, max_length=MOST_INFANTS)
+        tuple[Annotated[Label, Field(pattern="^[a-z][a-z0-9_]*$")], ...], Field(min_length=1, max_length=MAX_INFANTS)
     ]
     """Names of the infants; the folder of each has its manifest."""
     seed: Annotated[int, Field(ge=0, le=10**30)] = 0
@@ -71,14 +71,10 @@ class WorldBundle:
         ('ben_hip', 12.0)
     """
 
-    files: Mapping[str, bytes]
-    """Content of each file by its path within the bundle, sorted; read-only."""
-    manifest: WorldManifest
-    """What the runtime knows about the world."""
-    infants: Mapping[str, Bundle]
-    """What it knows about each infant, by name: a bundle without MJCF of its own."""
-    path: Path | None
-    """Folder it was read from; None if it exists only in memory."""
+    files: Mapping[str, bytes]  # Content of each file by its path within the bundle, sorted; read-only.
+    manifest: WorldManifest  # What the runtime knows about the world.
+    infants: Mapping[str, Bundle]  # What it knows about each infant, by name: a bundle without MJCF of its own.
+    path: Path | None  # Folder it was read from; None if it exists only in memory.
 
     def __repr__(self) -> str:
         return f"WorldBundle({self.manifest.name!r}, {', '.join(self.infants)})"
@@ -92,7 +88,10 @@ def world_bundle(
     files: Mapping[str, bytes], manifest: WorldManifest, manifests: Mapping[str, Manifest], path: Path | None = None
 ) -> WorldBundle:
     """Return a world of files and what their manifests say."""
-    infants = {name: _infant_of(files, name, manifests[name], path) for name in manifest.infants}
+    infants = {
+        name: Bundle(in_order(files_of(name, files)), manifests[name], path and path / INFANTS / name)
+        for name in manifest.infants
+    }
     return WorldBundle(in_order(files), manifest, MappingProxyType(infants), path)
 
 
@@ -106,6 +105,12 @@ def manifests_of(bundle: Bundle | WorldBundle) -> Mapping[str, Manifest]:
 def file_of(infant: str, name: str) -> str:
     """Return the path of a file of an infant within the bundle of its world."""
     return f"{INFANTS}/{infant}/{name}"
+
+
+def files_of(infant: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return the files of an infant among those of its world, by their paths within the infant's own bundle."""
+    start = file_of(infant, "")
+    return {path.removeprefix(start): content for path, content in files.items() if path.startswith(start)}
 
 
 def is_world_folder(path: str | Path) -> bool:
@@ -190,9 +195,3 @@ def _parsed(files: Mapping[str, bytes], folder: Path) -> WorldBundle:
         if (of_infant.timestep_ms, of_infant.step_ms) != (manifest.timestep_ms, manifest.step_ms):
             raise BundleError(f"{file_of(name, MANIFEST)}: its steps are not those of the world; build it again")
     return world_bundle(files, manifest, manifests, folder)
-
-
-def _infant_of(files: Mapping[str, bytes], name: str, manifest: Manifest, path: Path | None) -> Bundle:
-    start = file_of(name, "")
-    files_of = {file.removeprefix(start): content for file, content in files.items() if file.startswith(start)}
-    return Bundle(in_order(files_of), manifest, path and path / INFANTS / name)

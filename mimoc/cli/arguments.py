@@ -60,11 +60,11 @@ Force = Annotated[bool, typer.Option("--force", help="Replace an existing file."
 def load_spec(path: Path) -> "InfantSpec":
     """Return the spec in a file or, for `-`, in standard input, where paths are relative to the working directory."""
     from mimoc import schema
-    from mimoc.compiler import loading
     from mimoc.schema import source
+    from mimoc.schema.infant import load_spec
 
     if path != STDIN:
-        return loading.load_spec(path)
+        return load_spec(path)
     if sys.stdin.isatty():
         print("reading a spec from the terminal; end it with Ctrl-D", file=sys.stderr)
     return schema.read_spec(source.read_stream(sys.stdin.buffer, "<stdin>"))
@@ -73,16 +73,17 @@ def load_spec(path: Path) -> "InfantSpec":
 def load_infant(path: Path) -> "Bundle":
     """Return the bundle in a folder, or of a recording, or built from a spec: of a file or, for `-`, standard input."""
     from mimoc.cli import console
-    from mimoc.compiler import loading, pipeline
+    from mimoc.compiler import building
     from mimoc.recording.folder import read_infant
+    from mimoc.schema.infant import SPEC_SUFFIXES
 
-    if path.is_file() and path.suffix.lower() not in loading.SPEC_SUFFIXES:
+    if path.is_file() and path.suffix.lower() not in SPEC_SUFFIXES:
         raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
-    if path.is_dir() or (path != STDIN and path.suffix.lower() not in loading.SPEC_SUFFIXES):
+    if path.is_dir() or (path != STDIN and path.suffix.lower() not in SPEC_SUFFIXES):
         return read_infant(path)
     spec = load_spec(path)
     with console.progress("building") as show:
-        return pipeline.build(spec, progress=show)
+        return building.build(spec, progress=show)
 
 
 def find_world(path: Path, scene_seed: int | None = None, **refused: object) -> "WorldBundle | None":

@@ -75,7 +75,7 @@ def bench(
     if list_tasks:
         _print_tasks()
     elif specs:
-        from mimoc.studies.bench.running import write_specs
+        from mimoc.studies.bench import write_specs
 
         for path in write_specs(specs, _names(tasks), _months(ages)):
             print(printable(path))
@@ -107,7 +107,7 @@ def _enter(
     policy: str, out: Path, tasks: str | None, ages: str | None, episodes: int | None, processes: int | None
 ) -> None:
     from mimoc.cli import console
-    from mimoc.studies.bench.running import run_bench
+    from mimoc.studies.bench import run_bench
 
     chosen = {"tasks": _names(tasks), "ages_months": _months(ages), "processes": processes or _cores()}
     with console.progress("scoring") as show, resumable():
@@ -125,7 +125,7 @@ def _enter(
 
 def _verify(path: Path, tasks: str | None, ages: str | None, processes: int | None, policy: str | None) -> None:
     from mimoc.cli import console
-    from mimoc.studies.bench.running import verify_bench
+    from mimoc.studies.bench import verify_bench
 
     chosen = {"tasks": _names(tasks), "ages_months": _months(ages), "processes": processes or _cores()}
     with console.progress("scoring again") as show:
@@ -171,12 +171,12 @@ def _names(text: str | None) -> list[str] | None:
 
 
 def _months(text: str | None) -> list[float] | None:
-    from mimoc.components.senses.vision.comparison import read_ages
+    from mimoc.components.senses.vision.preview import read_ages
 
     return None if text is None else list(read_ages(text))
 
 
 def _cores() -> int:
-    from mimoc.runtime.batch.batch import usable_threads
+    from mimoc.runtime.batch import usable_threads
 
     return usable_threads()

@@ -1,6 +1,8 @@
 """`mimoc cohort`: plan, run, status, table, milestones and retry."""
 
 import json
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,9 +15,8 @@ from mimoc.cli.arguments import AsJson
 from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
-    from mimoc.studies.cohorts.cohort import Status
-    from mimoc.studies.cohorts.milestones import MilestoneSummary
-    from mimoc.studies.cohorts.plan import Plan, StepPlan
+    from mimoc.studies.cohorts.cohort import Plan, Status, StepPlan
+    from mimoc.studies.cohorts.table import MilestoneSummary
 
 app = typer.Typer(
     name="cohort",
@@ -43,7 +44,7 @@ CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which 
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
     from mimoc.cli import console
-    from mimoc.studies.cohorts.plan import plan as planned
+    from mimoc.studies.cohorts.cohort import plan as planned
 
     with console.progress("trying each step") as show:
         estimate = planned(mimoc.read_cohort(cohort), out, show)
@@ -66,13 +67,9 @@ def run(
     jobs_per_task: JobsPerTask = None,
 ) -> None:
     """Do all jobs that have no result yet; run the same command again after an interruption."""
-    from mimoc.cli import console
-
     slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
-    options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
-    with console.progress("running") as show, resumable():
-        status = mimoc.read_cohort(cohort).run(out, on, index=index, of=of, progress=show, **options)
-    _end(status, cohort, out)
+    others = {"processes": processes, "address": address, "jobs_per_task": jobs_per_task}
+    _do(partial(mimoc.Cohort.run, index=index, of=of), cohort, out, on, {**slurm, **others})
 
 
 @app.command(epilog="Example:  mimoc cohort retry spring.yaml -o out/spring")
@@ -89,13 +86,9 @@ def retry(
     jobs_per_task: JobsPerTask = None,
 ) -> None:
     """Do the failed jobs again, and those that have no result yet."""
-    from mimoc.cli import console
-
     slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
-    options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
-    with console.progress("running") as show, resumable():
-        status = mimoc.read_cohort(cohort).retry(out, on, progress=show, **options)
-    _end(status, cohort, out)
+    others = {"processes": processes, "address": address, "jobs_per_task": jobs_per_task}
+    _do(mimoc.Cohort.retry, cohort, out, on, {**slurm, **others})
 
 
 @app.command(epilog="Example:  mimoc cohort status spring.yaml -o out/spring")
@@ -124,7 +117,7 @@ def milestones(
 ) -> None:
     """Say when the children reach milestones, beside WHO's children, and whether the heavy and the fat are late."""
     from mimoc.cli import console
-    from mimoc.studies.cohorts.milestones import milestone_summary
+    from mimoc.studies.cohorts.table import milestone_summary
 
     study = mimoc.read_cohort(cohort)
     with console.progress("reading results") as show:
@@ -132,12 +125,13 @@ def milestones(
     print(json.dumps(summary.to_data(), indent=1)) if as_json else _print_milestones(summary)
 
 
-def _given(**options: Any) -> dict[str, Any]:
-    return {name: value for name, value in options.items() if value is not None}
+def _do(do: "Callable[..., Status]", cohort: Path, out: Path, on: str, options: dict[str, Any]) -> None:
+    """Do jobs, and print what became of them and what to do next; the exit code is 1 if some have failed."""
+    from mimoc.cli import console
 
-
-def _end(status: "Status", cohort: Path, out: Path) -> None:
-    """Print what became of the jobs, and what to do next; the exit code is 1 if some have failed."""
+    given = {name: value for name, value in options.items() if value is not None}
+    with console.progress("running") as show, resumable():
+        status = do(mimoc.read_cohort(cohort), out, on, progress=show, **given)
     _print_status(status)
     if status.failures:
         print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
@@ -146,7 +140,7 @@ def _end(status: "Status", cohort: Path, out: Path) -> None:
 
 
 def _print_plan(plan: "Plan") -> None:
-    from mimoc.base.quantities.child import JOB_SIZE, JOB_TIME, TIME_LEFT
+    from mimoc.base.quantities import JOB_SIZE, JOB_TIME, TIME_LEFT
     from mimoc.cli.console import print_line, print_table
 
     headings = ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading)
@@ -191,7 +185,7 @@ def _print_status(status: "Status") -> None:
 
 def _print_milestones(summary: "MilestoneSummary") -> None:
     """Print the ages at which the children of a cohort reach milestones, and the odds of being late, with sources."""
-    from mimoc.base.quantities.child import MEAN_AGE
+    from mimoc.base.quantities import MEAN_AGE
     from mimoc.cli.console import print_line, print_table
 
     headings = ("milestone", "n", "not by 24", MEAN_AGE.heading, "SD", "WHO's mean", "WHO's SD", "WHO's milestone")

@@ -15,8 +15,7 @@ from rich.text import Text
 from rich.tree import Tree
 
 from mimoc.base.errors import counted
-from mimoc.base.quantities import quantity_of
-from mimoc.base.quantities.child import INDICATORS, TOY_MASS, TOY_SIZE
+from mimoc.base.quantities import INDICATORS, TOY_MASS, TOY_SIZE, quantity_of
 from mimoc.base.rounding import readable
 from mimoc.cli.terminal import printable
 
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.bundle.world import WorldManifest
     from mimoc.compiler.explain import Explanation
-    from mimoc.policies.rollout import Summary
+    from mimoc.policies.rollout import RunSummary
     from mimoc.runtime.check import PoseCheck
 
 PLAIN_S, PLAIN_SHARE = 30.0, 1 / 10
@@ -34,7 +33,7 @@ PIPE_WIDTH = 260  # Width of the output when it is piped: wide enough that lines
 
 class _Console(Console):
     def on_broken_pipe(self) -> None:
-        """Exit; `mimoc.cli.entry` handles output that is no longer read."""
+        """Exit; `mimoc.cli` handles output that is no longer read."""
         raise SystemExit(1)
 
 
@@ -160,7 +159,7 @@ def print_toys(manifest: Manifest | WorldManifest) -> None:
 DIGITS = 6  # Significant digits of what a run gives.
 
 
-def print_run(summaries: Mapping[str, Summary]) -> None:
+def print_run(summaries: Mapping[str, RunSummary]) -> None:
     """Print the summaries of a run by infant, whose name is empty if it is the only one, and the speed of the first."""
     summary = next(iter(summaries.values()))
     columns = {name: {**one.measures, **one.metrics} for name, one in summaries.items()}

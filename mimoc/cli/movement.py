@@ -21,9 +21,8 @@ from mimoc.schema.kinds import FORMATS
 
 if TYPE_CHECKING:
     from mimoc.motion.point_recording import Camera
-    from mimoc.movement.filming import Filmed, Progress
+    from mimoc.movement.filming import Filmed, Progress, SourceOptions
     from mimoc.movement.retargeting.result import Account, Interval, Retargeted
-    from mimoc.movement.sources import SourceOptions
 
 Rate = Annotated[
     float | None,
@@ -158,7 +157,7 @@ def movement(
     """Measure how infants move, real or simulated, and compare them with real infants or with others."""
     from mimoc.cli import console
     from mimoc.cli.tables import print_movement_measures
-    from mimoc.movement import sources
+    from mimoc.movement import filming
     from mimoc.movement.report import measure_all
     from mimoc.policies.class_policy import class_or_text
 
@@ -167,17 +166,17 @@ def movement(
         raise MimocError(f"{against}: does not exist; compare with `{REAL}`, or name recordings")
     if not policy:
         _refuse({"beside": beside, "seeds": seeds, "seconds": seconds}, SIMULATED)
-    if not any(sources.reads_points(path) for path in (source, Path(against or REAL)) if str(path) != REAL):
+    if not any(filming.reads_points(path) for path in (source, Path(against or REAL)) if str(path) != REAL):
         of_points = {"rate": rate, "infant": infant, "view": view != FRONT or None, "name": name}
         _refuse({**of_points, "min-score": min_score, "picture": picture, "up": up}, NO_POINTS)
     chosen = mimoc.load_policy(policy) if policy and policy.endswith(".zip") else class_or_text(policy or "") or None
     reading = {"rate_hz": rate, "infant": infant, "view": view, "names": names_of(name), "min_score": min_score}
     reading |= {"picture_px": picture_of(picture), "up": up}
-    options = sources.SourceOptions(chosen, parse_seeds(seeds or SEEDS), seconds or sources.SECONDS, reading)
+    options = filming.SourceOptions(chosen, parse_seeds(seeds or SEEDS), seconds or filming.SECONDS, reading)
     others = {beside: load_counterpart(source, beside)} if beside else {}
     with console.progress("simulating") as show, options_in_messages():
-        films = sources.films_in(source, options, show)
-        filmed = {name: sources.films_of(other, options, show) for name, other in others.items()}
+        films = filming.films_in(source, options, show)
+        filmed = {name: filming.films_of(other, options, show) for name, other in others.items()}
     sample = _recordings(against, options) if against and against != REAL else []
     with console.progress("measuring") as show:
         counterparts = {name: measure_all(some, show) for name, some in filmed.items()}
@@ -195,8 +194,8 @@ def _refuse(given: dict[str, object], reason: str) -> None:
 def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]", show: "Progress") -> Any:
     import numpy as np
 
-    from mimoc.movement.real_infants import real_infants
     from mimoc.movement.report import compare, measure_all
+    from mimoc.movement.sample import real_infants
 
     if against is None:
         return measure_all(films, show)
@@ -206,10 +205,10 @@ def _measured(films: "list[Filmed]", against: str | None, others: "list[Filmed]"
 
 def _recordings(path: str, options: "SourceOptions") -> "list[Filmed]":
     from mimoc.cli import console
-    from mimoc.movement import sources
+    from mimoc.movement import filming
 
     with console.progress("reading") as show, options_in_messages():
-        others = sources.films_in(Path(path), replace(options, policy=None), show)
+        others = filming.films_in(Path(path), replace(options, policy=None), show)
     if len(others) < 2:
         raise MimocError(f"{path}: one infant is no sample; name a folder with recordings of two or more")
     return others
@@ -218,12 +217,12 @@ def _recordings(path: str, options: "SourceOptions") -> "list[Filmed]":
 def _check_files(json: Path | None, plot: Path | None, phase: Path | None, gif: Path | None) -> None:
     """Refuse, before anything takes time, names that no picture can have and folders that do not exist."""
     from mimoc.recording.video import check_video
-    from mimoc.render.plots import file
+    from mimoc.render import plots
 
     for path in (plot, phase):
         if path:
-            file.check_plot_name(path)
-            file.require_matplotlib()
+            plots.check_plot_name(path)
+            plots.require_matplotlib()
     if gif:
         check_video(gif)
     for path in (json, plot, phase):
@@ -235,7 +234,7 @@ def _write(measured: Any, films: "list[Filmed]", others: "list[Filmed]", paths: 
     from mimoc.base.rounding import render_json
     from mimoc.bundle.files import write_file
     from mimoc.cli import console
-    from mimoc.movement.stick_figures import MOST, animate, write_measures, write_phases
+    from mimoc.movement.stick_figures import MAX_FIGURES, animate, write_measures, write_phases
 
     json, plot, phase, gif = paths
     if phase:
@@ -245,7 +244,7 @@ def _write(measured: Any, films: "list[Filmed]", others: "list[Filmed]", paths: 
     if plot:
         write_measures(measured, plot)
     if gif:
-        chosen = [film.seen for film in (*others[:SHOWN], *films)][:MOST]
+        chosen = [film.seen for film in (*others[:SHOWN], *films)][:MAX_FIGURES]
         with console.progress("drawing") as show:
             animate(chosen, gif, columns=min(4, len(chosen)), progress=show)
     for path in paths:
@@ -365,7 +364,8 @@ def is_unfinished(result: "Retargeted") -> bool:
 def print_account(result: "Retargeted") -> None:
     """Print what came of a fit, and what is not known."""
     account, child = result.account, result.bundle.manifest.child
-    share, worst = 100 * account.error_median / account.trunk, 100 * account.error_p95 / account.trunk
+    share = 100 * account.error_median / account.trunk
+    worst = 100 * account.error_p95 / account.trunk
     error = f"{share:.2f} % of the trunk (median), {worst:.1f} % (95th percentile)"
     rate = account.frames / max(account.seconds, 1e-9)
     _line("recording", f"{counted(account.frames, 'frame')}, {result.rate_hz:g} a second")

@@ -125,7 +125,9 @@ def _answers(name: str) -> dict[str, Any]:
     """Return what the user answers to each question; it is asked again if no spec can say that, with those before."""
     from mimoc.schema.starter import Choices, offered
 
-    usual, values, answers = {**vars(Choices()), "senses": ",".join(Choices.senses)}, offered(), dict[str, Any]()
+    usual = {**vars(Choices()), "senses": ",".join(Choices.senses)}
+    values = offered()
+    answers = dict[str, Any]()
     for key, question in QUESTIONS.items():
         text = f"{question} ({', '.join(values[key])})" if key in values else question
         answers[key] = typer.prompt(text, default=usual[key], value_proc=partial(_checked, name, answers, key))
@@ -150,7 +152,7 @@ def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
 
 
 def _example(like: str, name: str) -> str:
-    from mimoc.compiler.loading import example_specs
+    from mimoc.schema.infant import example_specs
 
     examples = example_specs()
     check_name("name of an example", like, examples)

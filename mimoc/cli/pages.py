@@ -148,7 +148,7 @@ def _in_a_terminal() -> bool:
 
 def _serve(shown: Path, policy: list[str] | None, port: int, open_page: bool) -> None:
     from mimoc.policies.rollout import Run
-    from mimoc.runtime.batch.vector_env import infants_of
+    from mimoc.runtime.batch_env import infants_of
     from mimoc.viewer.live import LiveView
 
     env = open_env(find_world(shown) or load_infant(shown), None)

@@ -235,7 +235,7 @@ def _specs(infant: Path, ages: str | None) -> "list[InfantSpec]":
 
 def _built(infant: Path, specs: "list[InfantSpec]", first: "Bundle | None" = None) -> "Iterator[Bundle]":
     """Yield the infant, or what each spec describes, one after another; the first may be there already."""
-    from mimoc.compiler.pipeline import build
+    from mimoc.compiler.building import build
 
     yield first or (build(specs[0]) if specs else load_infant(infant))
     yield from map(build, specs[1:])
@@ -288,8 +288,8 @@ def see(
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc.compiler.variants import spec_of
-    from mimoc.components.senses.vision import VisionSpec, comparison
-    from mimoc.components.senses.vision.preview import is_blank, preview
+    from mimoc.components.senses.vision import VisionSpec
+    from mimoc.components.senses.vision.preview import compare_ages, is_blank, preview, read_ages as read_eye_ages
     from mimoc.render import picture_files
     from mimoc.render.picture_files import tile_pictures
 
@@ -300,8 +300,8 @@ def see(
         raise MimocError("--infant chooses from a world with several infants, and this is one; leave it out")
     vision, seeing = spec_of(bundle).senses.vision or VisionSpec(), bundle.manifest.senses.vision
     vision = vision.model_copy(update={"body": seeing.body}) if seeing else vision
-    months = comparison.read_ages(ages)
-    views = comparison.compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
+    months = read_eye_ages(ages)
+    views = compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
     pictures = preview(bundle, views.entries, pose, down, fovy, world)
     print(printable(picture_files.write_picture(file, tile_pictures(pictures, views.columns, views.rows))))
     if is_blank(pictures[0][-1]):
@@ -345,7 +345,7 @@ def rooms(
 def _scene_drawer(spec: Path, size_px: tuple[int, int]) -> "Callable[[int], Picture]":
     from mimoc.bundle.io import read_bundle
     from mimoc.compiler import building, variants
-    from mimoc.compiler.world_variants import plan_of_bundle
+    from mimoc.compiler.variants import plan_of_bundle
     from mimoc.compiler.worlds import build_world
     from mimoc.render.portrait import overview, world_portrait
     from mimoc.schema.infant import as_written

@@ -84,7 +84,7 @@ def export(
 ) -> None:
     """Write a recording in the format of others, and say what that cannot hold."""
     from mimoc.cli import console
-    from mimoc.recording.export import export_recording
+    from mimoc.recording.exporters import export_recording
 
     with console.progress("exporting") as show:
         notes = export_recording(recording, to, out, progress=show)

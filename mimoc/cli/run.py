@@ -28,8 +28,7 @@ from mimoc.cli.arguments import (
 )
 from mimoc.cli.terminal import printable
 from mimoc.policies.spec import parse_policies, usage
-from mimoc.recording.movement_columns import ALL, GROUPS, groups_named
-from mimoc.schema.kinds import POLICIES
+from mimoc.schema.kinds import MOVEMENT_GROUPS, POLICIES
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.bundle.world import WorldBundle
     from mimoc.policies.policy import Policy, PolicyMaker
-    from mimoc.policies.rollout import Summary
+    from mimoc.policies.rollout import RunSummary
     from mimoc.recording.record import Filming
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.infant import Infant
@@ -79,7 +78,7 @@ MovementGroups = Annotated[
     typer.Option(
         metavar="GROUPS",
         help="Movement columns that are recorded: all, the default, none, or some, with commas: "
-        + ", ".join(f"{group.name} ({group.about})" for group in GROUPS.values()),
+        + ", ".join(f"{name} ({about})" for name, about in MOVEMENT_GROUPS.items()),
     ),
 ]
 Steps = Annotated[
@@ -124,7 +123,7 @@ def run(
     """Run the infants under a policy and print a summary; show them in a window, record a video or all they sense."""
     from mimoc.cli import console
     from mimoc.policies.named import policies_of
-    from mimoc.runtime.batch.vector_env import infants_of
+    from mimoc.runtime.batch_env import infants_of
 
     check_video(video, eyes)
     options: Any = {"infant": filmed, "eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
@@ -167,8 +166,8 @@ def open_env(shown: "Bundle | WorldBundle", task: str | None, **options: Any) ->
 
 
 def _counterpart(infant: Path, world: "WorldBundle | None", beside: str) -> "Bundle | WorldBundle":
-    from mimoc.compiler.pipeline import build
-    from mimoc.compiler.world_variants import plan_of_bundle
+    from mimoc.compiler.building import build
+    from mimoc.compiler.variants import plan_of_bundle
     from mimoc.compiler.worlds import build_world
     from mimoc.schema.counterparts import world_counterpart
 
@@ -193,9 +192,10 @@ def _recording(
         if movement:
             raise MimocError("--movement says which movement columns are recorded; name a folder with --record")
         return nullcontext()
+    from mimoc.recording.movement_columns import groups_named
     from mimoc.recording.recorder import Recording
 
-    return Recording([*infants.values()], folder, movement=groups_named(movement or ALL))
+    return Recording([*infants.values()], folder, movement=groups_named(movement or "all"))
 
 
 def _film(
@@ -233,7 +233,7 @@ def _run(
     steps: int,
     filmed: "AbstractContextManager[Filming | None]",
     written: Sequence[Path],
-) -> "dict[str, Summary]":
+) -> "dict[str, RunSummary]":
     from mimoc.cli import console
     from mimoc.policies.rollout import Run
 

@@ -13,7 +13,7 @@ from mimoc.cli.terminal import printable, resumable
 from mimoc.schema.kinds import SKILLS
 
 if TYPE_CHECKING:
-    from mimoc.studies.skills.learning import SkillReport, SkillsReport
+    from mimoc.studies.skills import SkillReport, SkillsReport
 
 Ages = Annotated[
     str | None,
@@ -72,11 +72,12 @@ def skill(
     """
     from mimoc.base.errors import check_name
     from mimoc.cli import console
-    from mimoc.studies.skills.learning import REAL_AGES, learn_skill
+    from mimoc.studies.skills import REAL_AGES, learn_skill
 
     check_name("skill", name, SKILLS)
     real = REAL_AGES[name]
-    first, last = max(0, round(real.youngest_months) - 2), round(real.usual_months or real.oldest_months) + 2
+    first = max(0, round(real.youngest_months) - 2)
+    last = round(real.usual_months or real.oldest_months) + 2
     months, folder = read_months(ages, first, last, 2), out or Path("out") / f"skill_{name}"
     child = load_spec(spec) if spec else None
     with console.progress(f"learning to {name.replace('_', ' ')}") as show, resumable():
@@ -130,8 +131,8 @@ def read_options(texts: list[str]) -> dict[str, Any]:
 def _show_skill(report: "SkillReport", folder: Path) -> None:
     """Print a report, and write it into a folder as `results.json` and `success.png`."""
     from mimoc.bundle.files import write_file
-    from mimoc.render.plots.file import write_sheet
-    from mimoc.studies.skills.learning import skill_sheet
+    from mimoc.render.plots import write_sheet
+    from mimoc.studies.skills import skill_sheet
 
     text = json.dumps(report.to_data(), indent=1, sort_keys=True)
     write_file(folder / "results.json", f"{text}\n".encode())
@@ -147,7 +148,8 @@ def print_skills(report: "SkillsReport", infant: object = None) -> None:
     ages = sorted({age.age_months for skill in report.skills for age in skill.ages})
     rows = []
     for skill in report.skills:
-        success, real = {age.age_months: f"{age.success:.0%}" for age in skill.ages}, skill.real_infants
+        success = {age.age_months: f"{age.success:.0%}" for age in skill.ages}
+        real = skill.real_infants
         since = "" if skill.from_months is None else f"{skill.from_months:.1f}"
         window = f"{real.youngest_months:g}-{real.oldest_months:g}"
         rows.append((skill.skill, *(success.get(age, "") for age in ages), since, window, skill.verdict))

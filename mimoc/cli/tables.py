@@ -8,20 +8,19 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from mimoc.base.errors import counted
-from mimoc.base.quantities import QUANTITIES
-from mimoc.base.quantities.child import DIFFERENCE, FROM_AGE, INDICATORS
-from mimoc.base.quantities.movement import CORE
+from mimoc.base.movement_quantities import CORE
+from mimoc.base.quantities import DIFFERENCE, FROM_AGE, INDICATORS, QUANTITIES
 from mimoc.base.rounding import readable
 from mimoc.cli.console import print_line, print_table, print_verdict, starred
 from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
-    from mimoc.fits.who import Reference
+    from mimoc.fits.standards import Reference
     from mimoc.movement.report import MovementMeasures, Spread
     from mimoc.studies.comparison import Reference as RealInfants
     from mimoc.studies.growth import GrowthReport, GrowthRow, MeasurementReport, MeasurementRow
-    from mimoc.studies.milestones.report import Milestone, MilestoneReport
-    from mimoc.studies.movement.report import MovementReport, Row as MovementRow
+    from mimoc.studies.milestones import Milestone, MilestoneReport
+    from mimoc.studies.movement import MovementReport, Row as MovementRow
 
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
 Column = Callable[["GrowthRow"], "str | Text"]
@@ -275,7 +274,7 @@ def _cell(mean: float, sd: float | None, n: int) -> str:
 
 
 def _print_comparison(measured: MovementMeasures) -> None:
-    from mimoc.movement.real_infants import DISTANCES, DRAWS, NAME
+    from mimoc.movement.sample import DISTANCES, DRAWS, NAME
 
     sample = measured.sample
     if sample is None or measured.distance is None:

@@ -17,7 +17,7 @@ from mimoc.cli.arguments import AsJson, Beside, load_spec
 from mimoc.cli.terminal import FAILED_CHECK
 
 if TYPE_CHECKING:
-    from mimoc.render.plots.plot import Sheet
+    from mimoc.render.plots import Sheet
     from mimoc.schema.infant import InfantSpec
 
 Progress = Callable[[int, int], None]  # Called with the number of steps done and their total number.
@@ -62,8 +62,8 @@ def _against_milestones(
 ) -> Findings:
     from mimoc.cli.tables import print_milestones
     from mimoc.studies.growth_plots import rows_sheet
-    from mimoc.studies.milestones.infant import Conditions
-    from mimoc.studies.milestones.report import validate_milestones
+    from mimoc.studies.milestones import validate_milestones
+    from mimoc.studies.milestones.trial import Conditions
 
     report = validate_milestones(
         infant, Conditions(delays=delays), processes=os.cpu_count() or 1, progress=progress, beside=beside
@@ -81,11 +81,12 @@ def _against_movement(
     beside: str | None = None,
 ) -> Findings:
     from mimoc.cli.tables import print_movement
-    from mimoc.components.senses.vision.comparison import read_ages
-    from mimoc.render.plots.plot import windows_sheet
-    from mimoc.studies.movement.report import USUAL, validate_movement
+    from mimoc.components.senses.vision.preview import read_ages
+    from mimoc.render.plots import windows_sheet
+    from mimoc.studies.movement import USUAL, validate_movement
 
-    names, months = trials.split(",") if trials else USUAL, read_ages(ages) if ages is not None else None
+    names = trials.split(",") if trials else USUAL
+    months = read_ages(ages) if ages is not None else None
     report = validate_movement(
         infant, names=names, ages=months, processes=os.cpu_count() or 1, progress=progress, beside=beside
     )
@@ -96,7 +97,7 @@ def _against_movement(
 def _against_skills(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.skill import print_skills
     from mimoc.studies.growth_plots import rows_sheet
-    from mimoc.studies.skills.learning import shipped_skills
+    from mimoc.studies.skills import shipped_skills
 
     report = shipped_skills()
     sheet = partial(rows_sheet, report.rows, "real infants (line: usual age)", ("window", "reached"))
@@ -155,7 +156,7 @@ def validate(
       as scaled by the spec.
     """
     from mimoc.cli import console
-    from mimoc.render.plots.file import check_plot_name, write_sheet
+    from mimoc.render.plots import check_plot_name, write_sheet
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))

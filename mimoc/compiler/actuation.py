@@ -10,8 +10,7 @@ from mimoc.base.kinds import function_of
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.impairments import reflex_origins
 from mimoc.body.origins import Entry, Origin
-from mimoc.body.surface import as_on_mimos_head
-from mimoc.body.tree import BodyTree, Joint, StretchReflex
+from mimoc.body.tree import BodyTree, Joint, StretchReflex, as_on_mimos_head
 from mimoc.compiler.mjcf.elements import Actuator, PassiveActuator
 from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.schema.actuation import ActuationSpec, VoiceEntry

@@ -9,12 +9,11 @@ from mimoc.base.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.base.units import ms_to_s
 from mimoc.body.joints import limits_of
 from mimoc.body.poses import poses_of, resting_states, standing_height
-from mimoc.body.surface import head_radius, on_head
-from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom
+from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, head_radius, on_head
 from mimoc.compiler.actuation import ActuationSetup
 from mimoc.compiler.looks.appearance import HEAD_FEATURES, add_materials, dress_skin
-from mimoc.compiler.looks.skin.deformation import skin_of
-from mimoc.compiler.looks.skin.template_mesh import HEAD
+from mimoc.compiler.looks.sculpture import HEAD
+from mimoc.compiler.looks.skin import skin_of
 from mimoc.compiler.manifest import EYE, EYE_SIDES
 from mimoc.compiler.mjcf import sensor_sites
 from mimoc.compiler.mjcf.elements import Node

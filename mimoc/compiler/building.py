@@ -1,41 +1,49 @@
-"""Builders, which compile the bundles of a spec for any seed of its scene."""
+"""Compilation of a spec to a bundle in memory, which MuJoCo checks, for any seed of its scene."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.anatomy.parts import PARTS
-from mimoc.base.errors import ModelError, NoSpaceError, ObjectError, SpecError, ToyError, UnsupportedTaskError
-from mimoc.base.rounding import render_json, rounded, rounded_array
+from mimoc.base.arrays import rounded_array
+from mimoc.base.classes import PATH, takes
+from mimoc.base.errors import ModelError, SpecError, UnsupportedTaskError
+from mimoc.base.rounding import render_json, rounded
 from mimoc.base.units import ms_to_s
 from mimoc.body.grow import GrownBody
 from mimoc.body.provenance import trace_body
 from mimoc.body.tree import BodyTree
-from mimoc.bundle.arrays import ARRAYS, Array, LazyArrays, pack_arrays
-from mimoc.bundle.face import MOVING, array_of
-from mimoc.bundle.io import Bundle, lock_files
+from mimoc.bundle.io import ARRAYS, Array, Bundle, LazyArrays, lock_files, pack_arrays, read_bundle
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.provenance import PROVENANCE, packed
+from mimoc.bundle.variants import MOVING, array_of
 from mimoc.compiler.actuation import ActuationSetup, build_actuation, trace_voice
 from mimoc.compiler.assembling import assemble_infant, place_senses
 from mimoc.compiler.child import check_available, child_of
-from mimoc.compiler.manifest import describe_objects, describe_toys, make_manifest, rounded_caregiver
+from mimoc.compiler.manifest import (
+    describe_objects,
+    describe_toys,
+    make_manifest,
+    notes,
+    notes_on_shapes,
+    rounded_caregiver,
+)
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.mimo import find_target
-from mimoc.compiler.mjcf.scene import Placed, SceneTree
-from mimoc.compiler.mjcf.skin import Skin
+from mimoc.compiler.mjcf.scene import Placed, SceneTree, Skin
 from mimoc.compiler.model_check import compile_model, trace_model_error
-from mimoc.compiler.notes import notes, notes_on_shapes
 from mimoc.compiler.placing import (
     PlacedScene,
     SceneAssets,
+    check_offers,
     covered_floor,
+    errors_in_file,
     load_scene_assets,
-    missing_offers,
     place_in_scene,
     set_up_task,
 )
@@ -54,7 +62,7 @@ from mimoc.compiler.provenance import (
 from mimoc.compiler.scenes import footprint
 from mimoc.compiler.task_setup import TaskSetup
 from mimoc.fits import load_tables
-from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
+from mimoc.schema.infant import SPEC_SUFFIXES, InfantSpec, as_written, load_spec, to_data, validated
 from mimoc.schema.source import dump
 from mimoc.version import __version__
 
@@ -163,11 +171,7 @@ class Builder:
         return self.to_bundle(seed, self.furnished(seed), check=check)
 
     def to_bundle(self, seed: int, furnished: PlacedScene, *, check: bool = False) -> Bundle:
-        """Return the bundle of a seed, whose scene is furnished already; see `__call__`.
-
-        Raises:
-            ModelError: If MuJoCo rejects the model.
-        """
+        """Return the bundle of a seed, whose scene is furnished already; see `__call__`."""
         spec = _with_seed(self.spec, seed)
         world_origins = {**trace_spec(spec, as_written(spec)), **trace_world(spec, furnished)}
         manifest = self.manifest_of(seed, furnished)
@@ -188,24 +192,11 @@ class Builder:
         return lock_files(files, {"mimoc": __version__}, load_tables().files, manifest)
 
     def furnished(self, seed: int) -> PlacedScene:
-        """Return the scene of a seed, before it is written.
-
-        Raises:
-            SpecError: If there is not enough space for the toys, a mesh cannot be used, or the script of the caregiver
-                offers what it cannot take.
-        """
+        """Return the scene of a seed, before it is written; a SpecError says which toy or object has no place."""
         spec = _with_seed(self.spec, seed)
-        try:
+        with errors_in_file(lambda: as_written(spec)):
             furnished = place_in_scene(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
-        except ObjectError as error:
-            path = "scene", "objects", error.number, error.key
-            raise SpecError([as_written(spec).problem(path, str(error))]) from None
-        except (NoSpaceError, ToyError) as error:
-            written = as_written(spec)
-            raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
-        if missing := missing_offers(spec.scene.caregiver, furnished.toys, furnished.things):
-            script, written = ("scene", "caregiver", "script"), as_written(spec)
-            raise SpecError(written.problem((*script, number, "object"), text) for number, text in missing.items())
+        check_offers(spec.scene.caregiver, furnished.toys, furnished.things, lambda: as_written(spec))
         return replace(furnished, scene=find_target(self.target).world(furnished.scene))
 
     def manifest_of(self, seed: int, furnished: PlacedScene) -> Manifest:
@@ -235,9 +226,6 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         younger: A builder of the same valid spec at another age, from which this takes what does not depend on age.
         skin: Whether it has a skin, if its spec does not say.
 
-    Raises:
-        UnknownNameError: If the target does not exist.
-        SpecError: As `build`.
     """
     compatibility = find_target(target)
     if younger is None:
@@ -290,3 +278,41 @@ def face_arrays(skin: Skin | None) -> dict[str, Array]:
     for array in arrays.values():
         array.flags.writeable = False
     return arrays
+
+
+@takes("a spec, or the path of one", InfantSpec, *PATH)
+def build(
+    spec: InfantSpec | str | Path, target: str | None = None, *, progress: Callable[[int, int], None] | None = None
+) -> Bundle:
+    """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
+
+    Args:
+        spec: The spec, or the path of its YAML file.
+        target: Other software to build it for, by a name of `mjcf.mimo.TARGETS`.
+        progress: Called with the number of toys loaded and their total; the first time, meshes take long.
+
+    Raises:
+        UnknownNameError: If the target does not exist.
+        SpecError: If the spec is invalid, if this version cannot build it, if no child matches the requested measures,
+            or if toys or textures are missing.
+        ModelError: If MuJoCo rejects the model.
+
+    Example:
+        >>> import mimoc
+        >>> bundle = mimoc.build("nine_months.yaml")
+        >>> bundle.manifest.child.age_months, round(bundle.manifest.child.length_cm)
+        (9.0, 70)
+        >>> mimoc.write_bundle(bundle, "out/built").name
+        'built'
+    """
+    compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec), target)
+    return (compiler.watched(progress) if progress else compiler)(compiler.spec.scene.seed)
+
+
+def compiled(source: Bundle | InfantSpec | str | Path) -> Bundle:
+    """Return a bundle: the given one, the one in a folder, or that of a compiled spec or spec file; see `build`."""
+    if isinstance(source, Bundle):
+        return source
+    if isinstance(source, InfantSpec) or Path(source).suffix.lower() in SPEC_SUFFIXES:
+        return build(source)
+    return read_bundle(source)

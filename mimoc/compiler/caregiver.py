@@ -26,10 +26,9 @@ from mimoc.base.geometry.rotations import FloatArray, Quaternion, Vec3, quaterni
 from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.origins import Entry
-from mimoc.body.surface import on_head
-from mimoc.body.tree import BodyTree
+from mimoc.body.tree import BodyTree, on_head
 from mimoc.compiler.looks.pictures import read_picture
-from mimoc.compiler.mjcf.furniture import SOLID, UNTINTED, UNTOUCHED, Rgba, WorldMaterial, WorldTexture
+from mimoc.compiler.mjcf.elements import SOLID, UNTINTED, UNTOUCHED, Rgba, WorldMaterial, WorldTexture
 from mimoc.compiler.mjcf.world import Grip, ObjectBody, ObjectGeom, Persona
 from mimoc.schema.body import ADULT_EXPRESSIONS
 from mimoc.schema.caregiver import (

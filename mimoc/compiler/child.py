@@ -28,22 +28,14 @@ FARTHEST = 0.5  # Smallest value that is tried, relative to the default value; i
 
 
 def checked_or_average(spec: InfantSpec | None) -> InfantSpec:
-    """Return a spec that this version can build; of None, that of the average child.
-
-    Raises:
-        SpecError: If it is invalid, or as `check_available`.
-    """
+    """Return a spec that this version can build, or raise a SpecError; of None, that of the average child."""
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     check_available(infant)
     return infant
 
 
 def check_available(spec: InfantSpec) -> None:
-    """Check that this version can build a spec, and that its measurements are a child's.
-
-    Raises:
-        SpecError: If not; the error lists everything that is unavailable or implausible.
-    """
+    """Check that this version can build a spec, whose measurements are a child's; a SpecError lists all problems."""
     if spec.body.measurements and (problems := [*_problems_of_measurements(spec)]):
         raise SpecError(problems)
 
@@ -100,8 +92,8 @@ class Suspect:
 def child_of(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
     """Return the body of a spec's child; the reference of its anatomy can be given if it is known.
 
-    Raises:
-        SpecError: If there is no such child; the error says which key makes it impossible, and what would be possible.
+    If there is no such child, a SpecError says which key makes it impossible, and what would be possible.
+
     """
     try:
         return grow_body(spec, reference)

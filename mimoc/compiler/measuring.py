@@ -38,21 +38,12 @@ Progress = Callable[[int, int], None]  # Called with the number of infants measu
 
 
 def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
-    """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
-
-    Raises:
-        SpecError: If there is no such child.
-        ModelError: If MuJoCo rejects it.
-    """
+    """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle."""
     return compile_model(infant_files(spec))
 
 
 def infant_files(spec: InfantSpec) -> Mapping[str, bytes]:
-    """Return the MJCF and assets of a spec's infant on a flat floor, by path in a bundle.
-
-    Raises:
-        SpecError: If there is no such child.
-    """
+    """Return the MJCF and assets of a spec's infant on a flat floor, by path in a bundle."""
     tree = child_of(spec).tree
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
     actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
@@ -72,11 +63,7 @@ def compare_at_ages(
     compare: Callable[[InfantSpec], Iterable[Row]],
     progress: Progress | None,
 ) -> tuple[Row, ...]:
-    """Return the rows of an infant that has grown to each of some ages; *progress* is called after each.
-
-    Raises:
-        SpecError: If there is no such child at some age.
-    """
+    """Return the rows of an infant that has grown to each of some ages; *progress* is called after each."""
     rows: list[Row] = []
     for done, age_months in enumerate(ages_months, start=1):
         with errors_at(spec, age_months):

@@ -18,15 +18,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.rounding import rounded_array
+from mimoc.base.arrays import rounded_array
 from mimoc.body.tree import Geom, Joint, Tendon
 from mimoc.bundle.model import prepare
-from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, Site
-from mimoc.compiler.mjcf.furniture import WorldGeom
-from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
-from mimoc.compiler.mjcf.skin import Skin, single, texture_places
+from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, Site, WorldGeom
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree, Skin, single, texture_places
 from mimoc.compiler.mjcf.world import FreeObject, Lock, ObjectBody, Ribbon
-from mimoc.compiler.model_check import compile_model
+from mimoc.compiler.model_check import compile_model, without_textures
 
 XML_NAMES = {
     "euler": "alt.euler",
@@ -220,6 +218,10 @@ class ModelTemplate:
         self.broken = False
         """Whether MuJoCo has rejected a scene; it is of no use then."""
 
+    def fits(self, scene: SceneTree) -> bool:
+        """Return whether a scene differs from this one in numbers only."""
+        return read(scene)[1] == self._rest
+
     def instantiate(self, scene: SceneTree) -> ModelInstance:
         """Return the model of a scene that differs from this one in numbers only; the next one is compared with it.
 
@@ -236,25 +238,6 @@ class ModelTemplate:
         instance = ModelInstance(self._model, self._spec.compile(), self._arrays, scene.skin)
         self.broken = False
         return instance
-
-
-def without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
-    """Return MuJoCo's elements of a scene; decoding textures and skins takes longer than all else."""
-    meshes = {name: content for name, content in files.items() if name.startswith("assets/") and name[-4:] != ".png"}
-    include = {name: files[name] for name in ("infant.xml",) if name in files}  # A world is in one file.
-    spec = mujoco.MjSpec.from_string(files["scene.xml"].decode(), include=include, assets=meshes)
-    for skin in list(spec.skins):
-        spec.delete(skin)
-    for material in spec.materials:
-        material.textures = [""] * len(material.textures)
-    for texture in list(spec.textures):
-        spec.delete(texture)
-    return spec
-
-
-def model_without_pictures(files: Mapping[str, bytes]) -> mujoco.MjModel:
-    """Return the model of a scene without textures and skins, in which contacts are as in the whole one."""
-    return without_textures(files).compile()
 
 
 def _same_arrays(model: mujoco.MjModel, without_textures: mujoco.MjModel) -> list[str]:

@@ -1,13 +1,14 @@
 """Placement of an infant in the world of its spec, with toys around it, and what toys and wallpapers it has."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from mimoc.base.errors import NoSpaceError, SpecError, TextureError, ToyError, UnknownToysError, suggestion
+from mimoc.base.errors import NoSpaceError, ObjectError, SpecError, TextureError, ToyError, UnknownToysError, suggestion
 from mimoc.base.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
@@ -16,23 +17,21 @@ from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.actuation import ActuationSetup
 from mimoc.compiler.caregiver import place_caregiver, settings_at
-from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers, read_textures
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import NOBODY, FreeObject, barrier_pairs
-from mimoc.compiler.object_check import free_poses
+from mimoc.compiler.model_check import free_poses
 from mimoc.compiler.objects.built_object import PlacedThing, Surroundings
 from mimoc.compiler.objects.placing import place_furniture, place_objects, start_at, trace_objects
 from mimoc.compiler.scenes import WEIGHTLESS, BuiltScene, Occupant, Placement, footprint, reach_of, reachable_floor
-from mimoc.compiler.task_setup import NO_TASK, TaskSetup, build_task
-from mimoc.compiler.toys.objects import make_object
-from mimoc.compiler.toys.placing import Floor, ReachableFloor, Toybox, choose_toys, place_toys
+from mimoc.compiler.task_setup import NO_TASK, TaskSetup, build_task, holds, keeps, lock, locked_joints, weld
+from mimoc.compiler.toys import Floor, ReachableFloor, Toybox, choose_toys, make_object, place_toys
 from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.kinds import SCENES, TOY_SOURCES
+from mimoc.schema.objects import ToysSpec
 from mimoc.schema.scene import SceneSpec
 from mimoc.schema.source import Source
-from mimoc.schema.toys import ToysSpec
 
 
 @cache
@@ -49,11 +48,7 @@ class SceneAssets:
 
 
 def load_scene_assets(spec: InfantSpec) -> SceneAssets:
-    """Return the toys and wallpapers for the scenes of a spec, whose paths are relative to the folder of its file.
-
-    Raises:
-        SpecError: If a toy or a texture is missing or cannot be read.
-    """
+    """Return the toys and wallpapers for the scenes of a spec, whose paths are relative to its file, or a SpecError."""
     if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
         return SceneAssets()
     return assets_of_scene(spec.scene, as_written(spec))
@@ -133,10 +128,8 @@ def set_up_task(
     """Return the scene, with the starting pose of its task if there is one, and the setup of the task.
 
     Poses in which held parts or locked joints would be elsewhere are removed: the constraints would pull the infant
-    out of them.
+    out of them. An UnsupportedTaskError says which part the infant lacks.
 
-    Raises:
-        UnsupportedTaskError: If the infant lacks a part that the task or the spec requires.
     """
     setup = build_task(spec.task, tree, spec.control.step_ms)
     poses = scene.keyframes
@@ -178,10 +171,9 @@ def place_in_scene(
     The infant's `covered_floor`, *discs*, can be given if it is known: it is the same for every seed.
 
     Raises:
-        NoSpaceError: If there is not enough space for the toys.
-        ToyError: If the mesh of a toy cannot be used.
+        NoSpaceError, ToyError: If there is no place for the toys, or a mesh cannot be used.
         ObjectError: If an object cannot be where it is to be.
-        UnsupportedTaskError: If the spec holds a part that the infant does not have.
+
     """
     discs = covered_floor(scene, spec.scene, tree) if discs is None else discs
     build = function_of(SCENES[spec.scene.kind].build, "build")
@@ -217,20 +209,40 @@ def place_in_scene(
     return PlacedScene(placed, toys, task_objects, origins, things, company and company.entry)
 
 
-def missing_offers(
-    caregiver: CaregiverSpec | None, toys: Sequence[FreeObject], things: Sequence[PlacedThing]
-) -> dict[int, str]:
-    """Return what is wrong with acts of a caregiver's script that offer something, by their number in it."""
+@contextmanager
+def errors_in_file(written: Callable[[], Source]) -> Iterator[None]:
+    """Let errors of objects and toys be SpecErrors, which say where in a file the scene says so."""
+    try:
+        yield
+    except ObjectError as error:
+        path = "scene", "objects", error.number, error.key
+        raise SpecError([written().problem(path, str(error))]) from None
+    except (NoSpaceError, ToyError) as error:
+        raise SpecError(written().problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
+
+
+def check_offers(
+    caregiver: CaregiverSpec | None,
+    toys: Sequence[FreeObject],
+    things: Sequence[PlacedThing],
+    written: Callable[[], Source],
+) -> None:
+    """Check that a caregiver's script offers what moves freely in the scene; a SpecError lists all acts that do not."""
+    if caregiver is None:
+        return
     objects = {thing.entry.name: thing.entry.motion for thing in things}
     names = {name for toy in toys for name in (toy.name, toy.object, toy.category)}
     names |= {name for name, motion in objects.items() if motion == "free"}
-    return {
+    missing = {
         number: f"'{act.object}' is {objects[act.object]}; offer something that moves freely"
         if act.object in objects
         else f"there is no '{act.object}' in this scene; {suggestion(act.object, names) if names else 'add it'}"
-        for number, act in enumerate(caregiver.script if caregiver else ())
+        for number, act in enumerate(caregiver.script)
         if act.object is not None and act.object not in names
     }
+    if missing:
+        script = "scene", "caregiver", "script"
+        raise SpecError(written().problem((*script, number, "object"), text) for number, text in missing.items())
 
 
 def discs_of(things: Iterable[PlacedThing]) -> FloatArray:

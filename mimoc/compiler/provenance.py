@@ -13,8 +13,8 @@ from mimoc.bundle.world import file_of
 from mimoc.compiler.actuation import ActuationSetup, Origin
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.placing import PlacedScene
-from mimoc.compiler.toys.objects import mass_entry, trace_toys
-from mimoc.fits.who import percentile
+from mimoc.compiler.toys import mass_entry, trace_toys
+from mimoc.fits.standards import percentile
 from mimoc.schema.body import BODYSUIT_UNTIL_MONTHS
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.reading import FileModel
@@ -224,12 +224,10 @@ def who_percentiles(child: ChildEntry) -> dict[str, float]:
 
 
 def trace_around(origins: Mapping[str, Entry], shared: Collection[str], infant: str) -> Iterator[tuple[str, Entry]]:
-    """Yield where the numbers of what is around all infants come from.
+    """Yield where the numbers of what is around all infants come from, by what is said in the scene of a single infant.
 
-    Args:
-        origins: What is said of them as in the scene of a single infant.
-        shared: The numbers that belong to no infant.
-        infant: The infant whose numbers all others are.
+    All numbers that are not *shared* belong to one *infant*.
+
     """
     for key, entry in origins.items():
         sources = [source if source in shared else f"{infant}.{source}" for source in entry.get("from", ())]

@@ -10,9 +10,9 @@ from mimoc.base.geometry.reach import leaning_reach
 from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree, Geom
-from mimoc.compiler.mjcf.furniture import DirectionalLight, Headlight
+from mimoc.compiler.mjcf.elements import DirectionalLight, Headlight
 from mimoc.compiler.mjcf.world import World
-from mimoc.compiler.toys.placing import FADING, ReachableFloor
+from mimoc.compiler.toys import FADING, ReachableFloor
 
 FINE = 0.5  # Distance of the discs that cover a long part, in its radii.
 NOT_OF_ARMS = ("leg", "foot", "toe", "eye")  # Parts of the names of a side's other geoms.

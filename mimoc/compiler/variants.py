@@ -1,26 +1,30 @@
-"""The infants of a spec at all ages and in all scenes, as an environment is handed them, and their skins."""
+"""Infants at all ages and in all scenes, alone or in one world, as an environment is handed them, and their skins."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Generic, TypeVar
 
-from mimoc.base.errors import BundleError, Problem, SpecError
+from mimoc.base.errors import BundleError, Problem, SpecError, check_name
 from mimoc.base.rounding import rounded
 from mimoc.bundle.io import Bundle, LazyFiles
-from mimoc.bundle.model import load_model, prepare, read_model
-from mimoc.bundle.variants import Variant
+from mimoc.bundle.model import prepare, read_model
+from mimoc.bundle.variants import Variant, WorldVariant, open_variant
+from mimoc.bundle.world import WorldBundle, files_of
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.child import child_of
-from mimoc.compiler.loading import load_spec
-from mimoc.compiler.looks.skin.deformation import skin_of
-from mimoc.compiler.mjcf.scene import SceneTree
-from mimoc.compiler.mjcf.skin import SkinLayer
-from mimoc.compiler.model_template import DifferenceError, ModelInstance, ModelTemplate
+from mimoc.compiler.looks.skin import skin_of
+from mimoc.compiler.mjcf.scene import SkinLayer
+from mimoc.compiler.model_template import DifferenceError, ModelTemplate
+from mimoc.compiler.world_places import entries_of
+from mimoc.compiler.worlds import BuiltWorld, assemble_world
 from mimoc.schema import source
 from mimoc.schema.base import dotted
-from mimoc.schema.infant import InfantSpec, as_written, read_spec
+from mimoc.schema.infant import InfantSpec, as_written, load_spec, read_spec
+from mimoc.schema.reading import read_keys
+from mimoc.schema.world import WorldPlan, WorldSpec, checked_plan, in_scene, with_keys
 
 
 def at_age(spec: InfantSpec, age_months: float, *, checked: bool = True) -> InfantSpec:
@@ -72,13 +76,35 @@ def _advised(problem: Problem, spec: InfantSpec) -> str:
 
 
 RESOLVED = "resolved.yaml"  # The file of a bundle that holds its whole spec.
-KEPT = 8  # Ages whose infants are kept, since environments return to them.
+KEPT = 8  # Ages of each infant, and worlds or lone infants, that are kept, since environments return to them.
+Ages = tuple[float, ...]  # Of the infants in their order, in months.
+Made = TypeVar("Made", bound=Variant)
 
 
-class SpecVariants:
-    """Builds the infant of a spec at any age and in any scene."""
+class _Variants(Generic[Made]):
+    """Builds infants at any ages and in any scene, either one alone or several in one world."""
 
     has_other_scenes = True
+
+    def __init__(self, own: Mapping[str, Builder]):
+        """Keep what builds the infants at their own ages, by name."""
+        self._own = own
+        self._builder = lru_cache(KEPT * len(own))(self._build)
+        self._maker = lru_cache(KEPT)(self._make)
+
+    def _build(self, name: str, age_months: float) -> Builder:
+        """Return what builds an infant at an age, with all that does not depend on age from its own age."""
+        own = self._own[name]
+        spec = at_age(own.spec, age_months, checked=False)
+        return own if spec is own.spec else builder(spec, younger=own, skin=own.has_skin)
+
+    def _make(self, ages_months: Ages, scene_seed: int) -> Callable[[], Made]:
+        """Return what gives out the infants in a scene, each time with a model of its own."""
+        raise NotImplementedError
+
+
+class SpecVariants(_Variants[Variant]):
+    """Builds the infant of a spec at any age and in any scene."""
 
     def __init__(self, spec: InfantSpec, skin: bool = True):
         """Build the infant of a spec; if the spec does not say, *skin* is whether it has one.
@@ -86,39 +112,30 @@ class SpecVariants:
         Raises:
             SpecError: If it cannot be built.
         """
-        self._spec = spec
-        self._builder = lru_cache(KEPT)(self._build_at)
-        self._infant = lru_cache(KEPT)(self._make)
+        self._spec, self._seed = spec, spec.scene.seed
         self._template: ModelTemplate | None = None
-        self._own = builder(spec, skin=skin)
-        self._own_scene = self._own.furnished(spec.scene.seed)
+        self._own_builder = builder(spec, skin=skin)
+        self._own_scene = self._own_builder.furnished(self._seed)
+        super().__init__({"": self._own_builder})
 
     def __repr__(self) -> str:
         return f"SpecVariants({self._spec.name!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SpecVariants, (self._spec, self._own.has_skin)
+        return SpecVariants, (self._spec, self._own_builder.has_skin)
 
     @cached_property
     def original(self) -> Bundle:
         """The infant of the spec itself."""
-        return self._own.to_bundle(self._spec.scene.seed, self._own_scene)
+        return self._own_builder.to_bundle(self._seed, self._own_scene)
 
     def own_like(self, other: "SpecVariants") -> Variant:
-        """Return the infant of the spec itself: cast from another infant, if they differ in numbers only.
-
-        Raises:
-            ModelError: If MuJoCo rejects it.
-        """
-        template, seed = other._usable_template(), self._spec.scene.seed
-        instance = _instantiate(template, self._own_scene.scene)
-        if instance is None:
-            return Variant(self.original, load_model(self.original))
+        """Return the infant of the spec itself, from another infant's template if they differ in numbers only."""
+        template = other._usable_template()
+        if not template.fits(self._own_scene.scene):
+            return open_variant(self.original)
         self._template = template
-        files = LazyFiles(self._own.arrays, lambda: self.original.files)
-        return Variant(
-            Bundle(files, self._own.manifest_of(seed, self._own_scene), None), instance.model(), instance.set_textures
-        )
+        return self(rounded(self._spec.age_months), self._seed)
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
@@ -128,59 +145,165 @@ class SpecVariants:
             ModelError: If MuJoCo rejects it.
         """
         with errors_at(self._spec, age_months):
-            return self._infant(age_months, scene_seed)()
+            return self._maker((age_months,), scene_seed)()
 
-    def _make(self, age_months: float, scene_seed: int) -> Callable[[], Variant]:
-        """Return what gives out an infant, each time with a model of its own."""
-        built = self._builder(age_months)
-        furnished = built.furnished(scene_seed)
-        files = LazyFiles(built.arrays, lambda: self._at(at_age(self._spec, age_months))(scene_seed, check=False).files)
-        bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
-        is_own_scene = scene_seed == self._spec.scene.seed
-        instance = _instantiate(self._usable_template(), furnished.scene) if is_own_scene else None
-        if instance is None:
-            model = read_model(built.mjcf_of(furnished), bundle.manifest.scene)
-            prepare(model)
-            return Variant(bundle, model).again
-        return lambda: Variant(bundle, instance.model(), instance.set_textures)
+    def _make(self, ages_months: Ages, scene_seed: int) -> Callable[[], Variant]:
+        (age_months,) = ages_months
+        built = self._builder("", age_months)
+        is_own = built is self._own_builder and scene_seed == self._seed
+        furnished = self._own_scene if is_own else built.furnished(scene_seed)
 
-    def _build_at(self, age_months: float) -> Builder:
-        if age_months == rounded(self._spec.age_months):
-            return self._own
-        return self._at(at_age(self._spec, age_months, checked=False), self._own)
+        def files() -> Mapping[str, bytes]:
+            if is_own:
+                return self.original.files
+            whole = builder(at_age(self._spec, age_months), skin=self._own_builder.has_skin)
+            return whole(scene_seed, check=False).files
 
-    def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
-        return builder(spec, None, younger, self._own.has_skin)
+        bundle = Bundle(LazyFiles(built.arrays, files), built.manifest_of(scene_seed, furnished), None)
+        if scene_seed == self._seed:
+            # A scene has to be printed if more than numbers is different, such as the poses, since some do not suit
+            # every age; or if MuJoCo rejects it, because it then says more about what is printed.
+            template = self._usable_template()
+            with suppress(DifferenceError, ValueError):
+                instance = template.instantiate(furnished.scene)
+                return lambda: Variant(bundle, instance.model(), instance.set_textures)
+        model = read_model(built.mjcf_of(furnished), bundle.manifest.scene)
+        prepare(model)
+        return Variant(bundle, model).again
 
     def _usable_template(self) -> ModelTemplate:
-        """Return the template of this infant, or of another one that it was instantiated from."""
+        """Return the template of this infant, or of the other one that it was instantiated from."""
         if self._template is None or self._template.broken:
             self._template = ModelTemplate(self.original.files, self._own_scene.scene)
         return self._template
 
 
-def _instantiate(template: ModelTemplate, scene: SceneTree) -> ModelInstance | None:
-    """Return what gives out models of a scene, or nothing if it has to be printed.
+class WorldVariants(_Variants[WorldVariant]):
+    """Builds a world with its infants at any ages and in any scene.
 
-    Either more than numbers is different, such as the poses, since some do not suit every age; or MuJoCo rejects it,
-    and says more about what is printed.
+    Infants keep their places, their clothes and their parts. At other ages they may start within each other, which is
+    not checked here: an episode that goes on is not in the state that it started from.
+
+    Example:
+        >>> import mimoc
+        >>> from mimoc.compiler.variants import WorldVariants
+        >>> from mimoc.compiler.worlds import plan_world
+        >>> anna = mimoc.load_spec("nine_months.yaml")
+        >>> variant = WorldVariants(plan_world({"anna": anna, "ben": anna}))({"ben": 10}, scene_seed=0)
+        >>> {name: infant.manifest.child.age_months for name, infant in variant.bundle.infants.items()}
+        {'anna': 9.0, 'ben': 10.0}
     """
-    try:
-        return template.instantiate(scene)
-    except (DifferenceError, ValueError):
-        return None
+
+    def __init__(self, plan: WorldPlan):
+        """Build the infants of a plan at their own ages; raise a SpecError if they cannot be built."""
+        self._plan, self._own_world = plan, assemble_world(plan)
+        self._ages = tuple(rounded(spec.age_months) for spec in plan.infants.values())
+        super().__init__(self._own_world.builders)
+
+    def __repr__(self) -> str:
+        return f"WorldVariants({self._plan.spec.name!r}, {', '.join(self._plan.infants)})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return WorldVariants, (self._plan,)
+
+    @cached_property
+    def original(self) -> WorldBundle:
+        """The world of the plan itself.
+
+        Raises:
+            ModelError: If MuJoCo rejects the model.
+            SpecError: If infants would start within each other.
+        """
+        return self._own_world.to_bundle(check=True)
+
+    def __call__(self, ages_months: Mapping[str, float], scene_seed: int) -> WorldVariant:
+        """Return the world with infants of some ages, in months, in the scene of a seed; see `WorldMaker`.
+
+        Raises:
+            UnknownNameError: If there is no such infant.
+            SpecError: If there is no infant of that age, or no such scene.
+            ModelError: If MuJoCo rejects the model.
+        """
+        for name in ages_months:
+            check_name("name of an infant of this world", name, self._plan.infants)
+        own = zip(self._plan.infants, self._ages, strict=True)
+        return self._maker(tuple(rounded(float(ages_months.get(name, age))) for name, age in own), scene_seed)()
+
+    def _make(self, ages_months: Ages, scene_seed: int) -> Callable[[], WorldVariant]:
+        builders = dict[str, Builder]()
+        for (name, spec), age_months in zip(self._plan.infants.items(), ages_months, strict=True):
+            with errors_at(spec, age_months, name):
+                builders[name] = self._builder(name, age_months)
+        # The places of all infants stay, whatever their ages.
+        placed = with_keys(in_scene(self._plan, scene_seed), infants=entries_of(self._plan, self._own))
+        built = assemble_world(placed, builders)
+        model = read_model(built.mjcf, built.manifest.scene)
+        prepare(model)
+
+        def files() -> Mapping[str, bytes]:
+            if (ages_months, scene_seed) == (self._ages, self._plan.spec.scene.seed):
+                return assemble_world(self._plan).to_bundle().files
+            infants = zip(self._plan.infants.items(), ages_months, strict=True)
+            grown = {name: at_age(spec, age_months) for (name, spec), age_months in infants}
+            return assemble_world(WorldPlan(placed.spec, grown)).to_bundle().files
+
+        return WorldVariant(_lazy_bundle(built, files), model).again
+
+
+def _lazy_bundle(built: BuiltWorld, make: Callable[[], Mapping[str, bytes]]) -> WorldBundle:
+    """Return the bundle of a world whose files are made when somebody first reads one of them."""
+    files = LazyFiles({}, make)
+
+    def of_infant(name: str) -> Bundle:
+        own = LazyFiles(built.builders[name].arrays, lambda: files_of(name, files))
+        return Bundle(own, built.manifests[name], None)
+
+    return WorldBundle(
+        files, built.manifest, MappingProxyType({name: of_infant(name) for name in built.builders}), None
+    )
+
+
+class WorldBundleVariants:
+    """Builds the world of a bundle at any ages of its infants, in its own scene, from the specs in it."""
+
+    has_other_scenes = False
+
+    def __init__(self, bundle: WorldBundle):
+        self._bundle = bundle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return WorldBundleVariants, (self._bundle,)
+
+    def __call__(self, ages_months: Mapping[str, float], scene_seed: int) -> WorldVariant:
+        """Return the world with infants of some ages; see `WorldMaker`.
+
+        Raises:
+            UnknownNameError: If there is no such infant.
+            SpecError: If there is no infant of that age.
+            BundleError: If the bundle does not hold its specs.
+        """
+        return self._of_plan(ages_months, scene_seed)
+
+    @cached_property
+    def _of_plan(self) -> WorldVariants:
+        return WorldVariants(plan_of_bundle(self._bundle))
+
+
+def plan_of_bundle(bundle: WorldBundle) -> WorldPlan:
+    """Return the world that a bundle was built from, with the specs of its infants; BundleError if it lacks them."""
+    spec = read_keys(WorldSpec, _resolved(bundle))
+    return checked_plan(spec, [spec_of(infant) for infant in bundle.infants.values()])
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:
-    """Return the whole spec of a bundle.
+    """Return the whole spec of a bundle; BundleError if it lacks it, SpecError if this version does not read it."""
+    return read_spec(_resolved(bundle))
 
-    Raises:
-        BundleError: If the bundle does not contain it.
-        SpecError: If this version of mimoc does not read it.
-    """
+
+def _resolved(bundle: Bundle | WorldBundle) -> source.Source:
     if RESOLVED not in bundle.files:
         raise BundleError(f"there is no {RESOLVED} in it")
-    return read_spec(source.parse(bundle.files[RESOLVED], RESOLVED))
+    return source.parse(bundle.files[RESOLVED], RESOLVED)
 
 
 def skin_at(source: InfantSpec | Bundle | str | Path, age_months: float | None = None) -> tuple[SkinLayer, ...]:

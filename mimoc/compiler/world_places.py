@@ -17,14 +17,14 @@ from mimoc.body.origins import Entry
 from mimoc.bundle.world import START
 from mimoc.compiler.building import Builder
 from mimoc.compiler.caregiver import HEAD, BuiltCaregiver, place_caregiver, settings_at
-from mimoc.compiler.constraints import holds, lock, locked_joints, weld
-from mimoc.compiler.mjcf.furniture import Furniture, WorldGeom
+from mimoc.compiler.mjcf.elements import Furniture, WorldGeom
 from mimoc.compiler.mjcf.printing import prefixed, prefixed_scene
 from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
 from mimoc.compiler.mjcf.world import FreeObject, Lock, Persona, Weld
-from mimoc.compiler.model_template import model_without_pictures
+from mimoc.compiler.model_check import model_without_pictures
 from mimoc.compiler.placing import place_discs, place_object, place_pose, start_pose
 from mimoc.compiler.scenes import Placement
+from mimoc.compiler.task_setup import holds, lock, locked_joints, weld
 from mimoc.schema.caregiver import CaregiverEntry, CaregiverSpec
 from mimoc.schema.world import WorldPlan
 
@@ -99,11 +99,7 @@ def within(group: Placement, place: Placement) -> Placement:
 
 
 def part_of(builder: Builder, place: Placement, prefix: str) -> InfantPart:
-    """Return what an infant adds to its world at a place.
-
-    Raises:
-        UnsupportedTaskError: If the spec holds a part that the infant does not have.
-    """
+    """Return what an infant adds to its world at a place."""
     spec, tree, setup = builder.spec, builder.tree, builder.task_setup
     poses = {pose.name: place_pose(pose, place) for pose in builder.infant.keyframes}
     start = start_pose(spec, setup)
@@ -143,11 +139,9 @@ def states_of(
 ) -> list[Keyframe]:
     """Return a state of a name with all infants as they start, and for each of their poses one with only this changed.
 
-    Args:
-        name: Of the first state; those of others are the names of poses with the prefix of the infant.
-        parts: The infants, by name.
-        resting: What else moves (`World.resting`).
-        beside: Returns what a state says of the bodies that programs move, by the poses of infants.
+    Those of the poses are called by them, with the prefix of the infant. *resting* is what else moves, as in
+    `World.resting`, and *beside* returns what a state says of the bodies that programs move, by the poses of infants.
+
     """
     starts = {infant: part.poses[part.start] for infant, part in parts.items()}
     states = {name: starts}

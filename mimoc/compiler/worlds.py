@@ -10,13 +10,12 @@ import mujoco
 import numpy as np
 
 from mimoc.base.classes import PATH, check_class, takes
-from mimoc.base.errors import MimocError, ModelError, NoSpaceError, ObjectError, SpecError, ToyError
+from mimoc.base.errors import MimocError, ModelError, SpecError
 from mimoc.base.kinds import function_of
 from mimoc.base.rounding import render_json, rounded
 from mimoc.body.kinematics import length_m
 from mimoc.body.origins import Entry
-from mimoc.bundle.arrays import ARRAYS, pack_arrays
-from mimoc.bundle.io import MANIFEST, with_lock
+from mimoc.bundle.io import ARRAYS, MANIFEST, pack_arrays, with_lock
 from mimoc.bundle.manifest import Manifest, to_data as manifest_data
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.provenance import PROVENANCE, packed
@@ -33,29 +32,27 @@ from mimoc.bundle.world import (
 )
 from mimoc.compiler.assembling import multiccd
 from mimoc.compiler.building import Builder, builder
-from mimoc.compiler.loading import SPEC_SUFFIXES
-from mimoc.compiler.manifest import describe_objects, describe_toys, rounded_caregiver
+from mimoc.compiler.manifest import describe_objects, describe_toys, notes_on_shapes, rounded_caregiver
 from mimoc.compiler.mjcf import printing
 from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.compiler.mjcf.world import FreeObject, World, barrier_pairs
-from mimoc.compiler.model_template import model_without_pictures
-from mimoc.compiler.notes import notes_on_shapes
-from mimoc.compiler.object_check import free_keyframes
+from mimoc.compiler.model_check import free_keyframes, model_without_pictures
 from mimoc.compiler.objects.built_object import PlacedThing
 from mimoc.compiler.objects.placing import place_furniture, place_objects, trace_objects
 from mimoc.compiler.placing import (
     PlacedScene,
     SceneAssets,
     assets_of_scene,
+    check_offers,
     discs_of,
-    missing_offers,
+    errors_in_file,
     place_discs,
     surroundings,
     toys_around,
 )
 from mimoc.compiler.provenance import SPEC_FILE, trace_around, trace_infant, trace_spec, trace_world
 from mimoc.compiler.scenes import WEIGHTLESS, BuiltScene, Occupant, Placement, footprint
-from mimoc.compiler.toys.objects import trace_toys
+from mimoc.compiler.toys import trace_toys
 from mimoc.compiler.world_places import (
     InfantPart,
     Poses,
@@ -71,7 +68,7 @@ from mimoc.compiler.world_places import (
 )
 from mimoc.fits import load_tables
 from mimoc.schema import source as sources
-from mimoc.schema.infant import InfantSpec, as_written, to_data
+from mimoc.schema.infant import SPEC_SUFFIXES, InfantSpec, as_written, to_data
 from mimoc.schema.kinds import SCENES
 from mimoc.schema.objects import ObjectSpec
 from mimoc.schema.source import dump
@@ -82,13 +79,8 @@ from mimoc.version import __version__
 def world_of(source: Any, scene_seed: int | None = None) -> WorldBundle | None:
     """Return the world of several infants that something is, or is the path of; None if it is anything else.
 
-    Args:
-        source: A world's bundle, its folder, the path of a world's .yaml file, or specs by the names of infants.
-        scene_seed: The seed of its scene, if it is built from a file; None is that of the file.
+    A *scene_seed* replaces that of a world's file.
 
-    Raises:
-        SpecError: If a world cannot be built.
-        BundleError: If the bundle of a world is damaged.
     """
     if isinstance(source, WorldBundle):
         return source
@@ -124,12 +116,7 @@ class BuiltWorld:
     company: WorldCaregiver | None  # The caregiver, if there is one.
 
     def to_bundle(self, *, check: bool = False) -> WorldBundle:
-        """Return the bundle; *check* that MuJoCo takes it, and that no two infants start within each other.
-
-        Raises:
-            ModelError: If MuJoCo rejects the model.
-            SpecError: If infants start within each other.
-        """
+        """Return the bundle; *check* that MuJoCo takes it, and that no two infants start within each other."""
         files = {**self.mjcf, **_texts(self)}
         if check:
             _check(self, files)
@@ -227,11 +214,7 @@ def build_world(source: WorldPlan | Mapping[str, InfantSpec] | str | Path, **key
 
 
 def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = None) -> BuiltWorld:
-    """Return the infants of a world in it, before anything is written; *builders* are those of its infants, if known.
-
-    Raises:
-        SpecError: If they cannot be built, or not in the same world.
-    """
+    """Return the infants of a world in it, before anything is written; their *builders* can be given if known."""
     builders = builders or {name: _builder(plan, name) for name in plan.infants}
     _check_options(plan, builders)
     relative, scene = places_of(plan, builders), plan.spec.scene
@@ -304,9 +287,7 @@ def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
     scene, written = built.plan.spec.scene, built.plan.written
     if scene.caregiver is None:
         return built
-    if missing := missing_offers(scene.caregiver, built.toys, built.things):
-        script = "scene", "caregiver", "script"
-        raise SpecError(written.problem((*script, number, "object"), text) for number, text in missing.items())
+    check_offers(scene.caregiver, built.toys, built.things, lambda: written)
     inside = ""
     for company in caregivers(scene.caregiver, built.builders, built.parts):
         world = replace(built.world, persona=company.persona)
@@ -321,11 +302,8 @@ def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
     if not built.things:
         return built
     model, specs = model_without_pictures(built.mjcf), built.plan.spec.scene.objects
-    try:
+    with errors_in_file(lambda: built.plan.written):
         free = {state.name for state in free_keyframes(model, built.states, START, specs, built.things)}
-    except ObjectError as error:
-        path = "scene", "objects", error.number, error.key
-        raise SpecError([built.plan.written.problem(path, str(error))]) from None
     parts = {
         name: replace(part, poses={pose: state for pose, state in part.poses.items() if part.prefix + pose in free})
         for name, part in built.parts.items()
@@ -352,11 +330,8 @@ def _objects(
         )
         for name, start in starts.items()
     }
-    try:
+    with errors_in_file(lambda: plan.written):
         return place_objects(objects, among)
-    except ObjectError as error:
-        path = "scene", "objects", error.number, error.key
-        raise SpecError([plan.written.problem(path, str(error))]) from None
 
 
 def _toys(
@@ -370,11 +345,8 @@ def _toys(
     name = (plan.spec.scene.toys and plan.spec.scene.toys.infant) or next(iter(parts))
     part = parts[name]
     taken = np.concatenate([*(other.taken for other in parts.values()), discs_of(things)])
-    try:
+    with errors_in_file(lambda: plan.written):
         return toys_around(plan.spec.scene, around, builders[name].tree, part.poses[part.start], taken, assets.toybox)
-    except (NoSpaceError, ToyError) as error:
-        lines = str(error).splitlines()
-        raise SpecError(plan.written.problem(("scene", "toys"), line) for line in lines) from None
 
 
 def _texts(built: BuiltWorld) -> dict[str, bytes]:

@@ -15,7 +15,7 @@ import numpy as np
 from mimoc.base.errors import DataError
 from mimoc.base.units import MM_PER_CM
 from mimoc.fits.curves import LogCurve
-from mimoc.fits.who import SEXES, GrowthStandard
+from mimoc.fits.standards import SEXES, GrowthStandard
 
 Table = TypeVar("Table")
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, first_of, one_line
-from mimoc.motion.frame_files import MOST_FRAMES
+from mimoc.motion.frame_files import MAX_FRAMES
 from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import FloatArray, PointRecording, Up, View
 from mimoc.motion.sides import (
@@ -27,10 +27,10 @@ Pairs = Mapping[tuple[str, str], tuple[float, float]]
 """How far two points may be apart, in trunks: at least and at most."""
 
 _FASTEST = 15.0  # Trunks a second, about 3 m/s. Twice as fast as kicks of infants (their feet reach 3 to 7).
-_LEAST_JUMP = 0.3  # Trunks; jitter of estimators is less.
+_MIN_JUMP = 0.3  # Trunks; jitter of estimators is less.
 _MANY = 0.5  # Share of frames from which on points that are out of reach are not a few that went wrong.
 _OUTER = 1.5  # How much more the second point of a pair, which is farther out on a limb, is suspected.
-_SHOWN = 3
+_MAX_LISTED = 3
 
 
 def drop_wild(recording: PointRecording, apart: Pairs) -> PointRecording:
@@ -41,7 +41,7 @@ def drop_wild(recording: PointRecording, apart: Pairs) -> PointRecording:
         return recording
     shares = dict(zip(recording.names, wild.mean(axis=0).tolist(), strict=True))
     worst = sorted((name for name in shares if shares[name]), key=shares.__getitem__, reverse=True)
-    shown = first_of([f"{name} in {shares[name]:.1%} of frames" for name in worst], _SHOWN)
+    shown = first_of([f"{name} in {shares[name]:.1%} of frames" for name in worst], _MAX_LISTED)
     note = f"points that jump to where no limb can be are taken not to be seen: {shown}; min_score may leave out more"
     return replace(_without(recording, wild), notes=(*recording.notes, note))
 
@@ -53,7 +53,7 @@ def _without(recording: PointRecording, points: Mask) -> PointRecording:
 
 def _farthest(recording: PointRecording) -> float:
     """Return how far a point can move from a frame to the next, in trunks."""
-    return max(_FASTEST / recording.rate_hz, _LEAST_JUMP)
+    return max(_FASTEST / recording.rate_hz, _MIN_JUMP)
 
 
 def _jumping(recording: PointRecording) -> Mask:
@@ -116,14 +116,14 @@ RATES_HZ = 1.0, 1000.0
 NEEDED = "neck", "left_hip", "right_hip"  # The trunk, in whose lengths all else is measured.
 TRUNK_M = 0.08, 0.6
 """Between the trunk of the smallest preterm infant and that of an adult: what is outside is not in metres."""
-_LEAST_TRUNK_PX = 5.0
+_MIN_TRUNK_PX = 5.0
 _MOSTLY_INSIDE = 0.9  # Share of points within a picture; estimators put some beside it.
-_LEAST_SEEN = 0.1  # Share of frames in which the trunk must be seen.
+_MIN_SEEN = 0.1  # Share of frames in which the trunk must be seen.
 _FAR = 1e5  # More than the pixels of any picture, or the metres of any room.
 _MOSTLY = 0.9  # Share of frames in which sides are wrong that makes them wrong throughout.
 _SOMETIMES = 0.1
-_LEAST_FACING = 0.5  # Cosine of the angle from the vertical up to which the trunk of an infant faces downwards.
-_LEAST_LYING = 0.7
+_MIN_FACING = 0.5  # Cosine of the angle from the vertical up to which the trunk of an infant faces downwards.
+_MIN_LYING = 0.7
 """The same from which on it lies on its back: of simulated infants that kick on their backs, it is .71 or more."""
 _SHOWN_GAP = 0.01  # Share of frames in which a point is missing that is worth a note.
 _PERCENTILE = 95
@@ -214,8 +214,8 @@ def check_timing(recording: PointRecording, rate_hz: float | None) -> PointRecor
     notes = recording.notes
     if recording.frames < 2:
         raise UnusableFileError("has one frame, and no movement; give all frames of a film")
-    if recording.frames > MOST_FRAMES:
-        raise UnusableFileError(f"has {recording.frames:,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    if recording.frames > MAX_FRAMES:
+        raise UnusableFileError(f"has {recording.frames:,} frames; mimoc reads up to {MAX_FRAMES:,}: cut it")
     known = math.isfinite(recording.rate_hz)
     if rate_hz is None and not known:
         raise UnusableFileError("has no frame rate; say how many frames a second the camera took: rate_hz=30")
@@ -243,7 +243,7 @@ def check_points(recording: PointRecording, view: View | None, up: Up | None = N
     _check_unit(recording)
     whole = drop_wild(repair_exchanges(recording), APART)
     if view == "mirrored":
-        is_z = whole.unit == "m" and _share_of(facing(mirrored(whole))[:, 2] < -_LEAST_FACING) > _MOSTLY
+        is_z = whole.unit == "m" and _share_of(facing(mirrored(whole))[:, 2] < -_MIN_FACING) > _MOSTLY
         whole = mirrored(whole, 2 if is_z else 0)
     elif view == "swapped":
         whole = swapped(whole)
@@ -268,13 +268,13 @@ def _check_trunk(recording: PointRecording) -> None:
             f"has no {', '.join(missing)}, only {shown}; name its points: names={{'label': '{missing[0]}'}}"
         )
     seen = np.isfinite(recording.select(NEEDED).positions).all(axis=(1, 2)).mean()
-    if seen < _LEAST_SEEN:
+    if seen < _MIN_SEEN:
         raise UnusableFileError(f"shows neck and hips in {seen:.0%} of its frames; choose another view of the infant")
 
 
 def _check_unit(recording: PointRecording) -> None:
     trunk = recording.trunk
-    if recording.unit == "px" and trunk < _LEAST_TRUNK_PX:
+    if recording.unit == "px" and trunk < _MIN_TRUNK_PX:
         raise UnusableFileError(
             f"has a trunk {trunk:.2g} px long; give the size of the picture, picture_px=(1920, 1080), or export "
             "pixels, not shares of the picture"
@@ -328,16 +328,16 @@ def _check_facing(recording: PointRecording, view: View, up: Up | None) -> None:
     how, otherwise, pose = ("up", "front", "back") if view == "back" else ("down", "back", "belly")
     axis = up or "z"
     opposite = axis[1:] if axis.startswith("-") else f"-{axis}"
-    if _share_of(faces[:, 2] < -_LEAST_FACING) > _MOSTLY:
+    if _share_of(faces[:, 2] < -_MIN_FACING) > _MOSTLY:
         raise UnusableFileError(
             f"lies face {how}: give view='{otherwise}' if it lies on its {pose}, or up='{opposite}' if that axis "
             "points upwards"
         )
     trunks = recording.path("neck") - recording.hips
     trunks = trunks[np.isfinite(trunks).all(axis=1)] / recording.trunk
-    if up is not None and _share_of(trunks[:, 2] < -_LEAST_FACING) > _MOSTLY:
+    if up is not None and _share_of(trunks[:, 2] < -_MIN_FACING) > _MOSTLY:
         raise UnusableFileError(f"hangs head down: give up='{opposite}' if that axis points upwards")
-    if up is None and len(faces) and _share_of(faces[:, 2] > _LEAST_LYING) < _SOMETIMES:
+    if up is None and len(faces) and _share_of(faces[:, 2] > _MIN_LYING) < _SOMETIMES:
         middle = np.median(faces, axis=0)
         likely = int(np.argmax(np.abs(middle)))
         sign = "" if middle[likely] > 0 else "-"

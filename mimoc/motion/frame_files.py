@@ -23,13 +23,13 @@ from mimoc.bundle.regular_files import (
     regular_files,
 )
 
-MOST_FRAMES = 2**18  # Of a recording: 2.4 hours at 30 frames a second.
-MOST_FRAME_BYTES = 2**20
-MOST_FILE_BYTES = 2**27
-_MOST_BYTES = 2**29
+MAX_FRAMES = 2**18  # Of a recording: 2.4 hours at 30 frames a second.
+MAX_FRAME_BYTES = 2**20
+MAX_FILE_BYTES = 2**27
+_MAX_BYTES = 2**29
 _FIRST_BYTES = 2**16
-_MOST_DIGITS = 19  # Of the number of a frame: nanoseconds since 1970.
-_LEAST_STAMP, _STAMP_JITTER, _MOST_STAMPS = 5, 0.25, 0.7
+_MAX_DIGITS = 19  # Of the number of a frame: nanoseconds since 1970.
+_MIN_STAMP, _STAMP_JITTER, _MAX_STAMPS = 5, 0.25, 0.7
 """Time stamps rise by this much a frame or more; most of their steps, by this share, are as long as the median."""
 _NUMBER = re.compile("[0-9]+")
 _ENDING = re.compile(r"\.[A-Za-z][A-Za-z0-9]*$")
@@ -61,15 +61,15 @@ def read_frame_files(folder: Path, suffix: str) -> FrameFiles:
     names = frame_names(folder, suffix)
     if not names:
         raise UnusableFileError(f"has no files *{suffix}; give the folder that they are in")
-    if len(names) > MOST_FRAMES:
-        raise UnusableFileError(f"has {len(names):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    if len(names) > MAX_FRAMES:
+        raise UnusableFileError(f"has {len(names):,} frames; mimoc reads up to {MAX_FRAMES:,}: cut it")
     numbers = frame_numbers([name.removesuffix(suffix) for name in names])
     numbered = sorted(zip(numbers or range(len(names)), names, strict=True))
     ordered = tuple(name for _, name in numbered)
     places, notes = frame_places([number for number, _ in numbered], ordered)
     try:
-        with regular_files(folder, _MOST_BYTES) as files:
-            return FrameFiles(ordered, tuple(files.read_all(ordered, MOST_FRAME_BYTES)), places, notes)
+        with regular_files(folder, _MAX_BYTES) as files:
+            return FrameFiles(ordered, tuple(files.read_all(ordered, MAX_FRAME_BYTES)), places, notes)
     except OSError as error:
         raise UnusableFileError(f"cannot be read ({error.strerror}); check its permissions") from None
 
@@ -115,14 +115,14 @@ def frame_places(numbers: Sequence[int], names: Sequence[str]) -> tuple[tuple[in
     every = reduce(math.gcd, steps, 0) or 1
     usual = median(steps) / every if steps else 1
     notes = []
-    if usual >= _LEAST_STAMP and _share_near(steps, usual * every) >= _MOST_STAMPS:
+    if usual >= _MIN_STAMP and _share_near(steps, usual * every) >= _MAX_STAMPS:
         places = (0, *accumulate(max(1, round(step / (usual * every))) for step in steps))
         notes = [f"numbers of frames rise by about {usual * every:g}, as time stamps do, and are divided by that"]
     else:
         places = tuple((number - numbers[0]) // every for number in numbers)
         notes = [f"every {every} frames have a number of their own; the frame rate is that of those"] * (every > 1)
-    if places[-1] >= MOST_FRAMES:
-        raise UnusableFileError(f"frames are numbered up to {numbers[-1]:,}; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    if places[-1] >= MAX_FRAMES:
+        raise UnusableFileError(f"frames are numbered up to {numbers[-1]:,}; mimoc reads up to {MAX_FRAMES:,}: cut it")
     missing = places[-1] + 1 - len(places)
     return places, (*notes, *([f"{missing:,} of {places[-1] + 1:,} frames are missing"] if missing else []))
 
@@ -141,7 +141,7 @@ def first_bytes(path: Path) -> bytes:
         names = frame_names(path, ".json")
         path = path / names[0] if names else path
     try:
-        file = open_regular_file(path, MOST_FILE_BYTES, below=path.parent)
+        file = open_regular_file(path, MAX_FILE_BYTES, below=path.parent)
     except UnusableFileError:
         return b""
     if file is None:
@@ -152,9 +152,9 @@ def first_bytes(path: Path) -> bytes:
 
 def read_whole_file(path: Path) -> bytes:
     """Return the content of a file with all frames, or raise an UnusableFileError."""
-    if is_regular_file(path) and path.stat().st_size > MOST_FILE_BYTES:
-        raise UnusableFileError(f"is larger than {MOST_FILE_BYTES >> 20} MB, the most that mimoc reads; cut it")
-    content = read_regular_file(path, MOST_FILE_BYTES)
+    if is_regular_file(path) and path.stat().st_size > MAX_FILE_BYTES:
+        raise UnusableFileError(f"is larger than {MAX_FILE_BYTES >> 20} MB, the most that mimoc reads; cut it")
+    content = read_regular_file(path, MAX_FILE_BYTES)
     if content is None:
         raise UnusableFileError("cannot be read; check the path and its permissions")
     return content
@@ -162,7 +162,7 @@ def read_whole_file(path: Path) -> bytes:
 
 def _numbers(name: str) -> list[int]:
     texts = _NUMBER.findall(name)
-    return [int(text) for text in texts] if max(map(len, texts), default=0) <= _MOST_DIGITS else []
+    return [int(text) for text in texts] if max(map(len, texts), default=0) <= _MAX_DIGITS else []
 
 
 def _microseconds(clock: re.Match[str]) -> str:

@@ -16,20 +16,20 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from mimoc.base.errors import BundleError, MimocError
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
+from mimoc.bundle.io import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.schema.base import Model
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 MOTION = "motion.npz"  # Name of the file in the folder of a retargeted recording.
-MOST_BYTES = 2**28  # Of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB.
+MAX_BYTES = 2**28  # Of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB.
 FREE, HINGE = 7, 1  # Numbers of a configuration that a free joint and a hinge have.
 FREE_SPEEDS = 6
 TURN = slice(3, 7)  # Where the quaternion of a free joint is among its numbers: w, x, y, z.
 FIXED_ORDER = [1, 2, 3, 0]  # From MuJoCo's order of a quaternion to SciPy's.
-MOST_S = 7200.0  # Of a motion: its states at all control steps are kept.
-MOST_M_OR_RAD = 1e4
+MAX_S = 7200.0  # Of a motion: its states at all control steps are kept.
+MAX_M_OR_RAD = 1e4
 UNIT = 0.01  # How far the length of a quaternion may be from 1.
 _ADVICE = "write it again with 'mimoc retarget'"
 
@@ -177,7 +177,7 @@ def read_motion(path: Path) -> JointMotion:
     """Return the motion in a file, or in the folder of a retargeted recording, or raise a MimocError."""
     file = path / MOTION if path.is_dir() else path
     try:
-        content = read_regular_file(file, MOST_BYTES)
+        content = read_regular_file(file, MAX_BYTES)
     except UnusableFileError as error:
         raise MimocError(f"{file}: {error}; {_ADVICE}") from None
     if content is None:
@@ -188,14 +188,9 @@ def read_motion(path: Path) -> JointMotion:
         motion = JointMotion(about.rate_hz, about.joints, np.asarray(arrays["qpos"], np.float64), about.free)
         sizes = [FREE if joint in motion.free else HINGE for joint in motion.joints]
         frames, count = len(motion.qpos), sum(sizes)
-        if (
-            frames < 2
-            or motion.qpos.shape != (frames, count)
-            or not 0 < motion.rate_hz < 1e6
-            or motion.seconds > MOST_S
-        ):
+        if frames < 2 or motion.qpos.shape != (frames, count) or not 0 < motion.rate_hz < 1e6 or motion.seconds > MAX_S:
             raise ValueError("it has other numbers than its joints need, or is too long")
-        if not (np.abs(motion.qpos) <= MOST_M_OR_RAD).all() or len({*motion.joints}) != len(motion.joints):
+        if not (np.abs(motion.qpos) <= MAX_M_OR_RAD).all() or len({*motion.joints}) != len(motion.joints):
             raise ValueError("it has a number that is none or too large, or names a joint twice")
         for end, size in zip(np.cumsum(sizes), sizes, strict=True):
             if (

@@ -68,8 +68,8 @@ _HIPS = "left_hip", "right_hip"
 NECK_ABOVE = 0.14
 """How far the neck is above the middle of the shoulders, in the distance of that from the middle of the hips; .138 to
 .149 on mimoc's bodies of 0 to 24 months."""
-_MOST_SHOWN = 5
-_LEAST_SEEN = 0.8
+_MAX_LISTED = 5
+_MIN_SEEN = 0.8
 """How often a marker must be seen, in how often the one is that is seen most around the same point, to count."""
 
 
@@ -90,7 +90,7 @@ def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> P
     """
     columns = _columns(recording.names, names or {})
     if not columns:
-        shown = one_line(first_of(recording.names, _MOST_SHOWN))
+        shown = one_line(first_of(recording.names, _MAX_LISTED))
         raise UnusableFileError(
             f"no label is the name of a point ({shown}); say what they are: names={{'label': 'left_hip'}}"
         )
@@ -99,7 +99,7 @@ def name_points(recording: PointRecording, names: Mapping[str, str] | None) -> P
     notes = [_note(name, [recording.names[index] for index in columns[name]]) for name in points]
     left_out = [name for index, name in enumerate(recording.names) if not any(index in at for at in columns.values())]
     if left_out:
-        notes.append(f"left out: {one_line(first_of(left_out, _MOST_SHOWN))}")
+        notes.append(f"left out: {one_line(first_of(left_out, _MAX_LISTED))}")
     return _with_neck(_gathered(recording, {name: columns[name] for name in points}, [note for note in notes if note]))
 
 
@@ -126,7 +126,7 @@ def _columns(labels: Sequence[str], names: Mapping[str, str]) -> dict[str, list[
 def _seen(recording: PointRecording, columns: list[int]) -> list[int]:
     """Return those of several markers around a point that are seen, as those on the back of an infant may not be."""
     often = np.isfinite(recording.positions[:, columns]).all(axis=-1).mean(axis=0)
-    return [column for column, share in zip(columns, often.tolist(), strict=True) if share >= _LEAST_SEEN * often.max()]
+    return [column for column, share in zip(columns, often.tolist(), strict=True) if share >= _MIN_SEEN * often.max()]
 
 
 def _gathered(recording: PointRecording, columns: Mapping[str, list[int]], notes: list[str]) -> PointRecording:

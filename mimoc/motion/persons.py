@@ -27,13 +27,13 @@ _PER_SECOND = 0.5  # Cost of a gap, in radii a second.
 _SURE, _SURE_PER_SECOND = 0.15, 1.5
 """Cost, and more of it a second, up to which a link to the next frame is taken before those over gaps are looked at."""
 _KNOWN = 1.0  # What two detections of one identity cost less, and two of different ones more.
-_LEAST_SHARED = 3  # Points that two detections must both have for a comparison point by point.
-_LEAST_SIZE = 0.4  # Radii over which these points must be spread to tell the size of a body; those of a face do not.
+_MIN_SHARED = 3  # Points that two detections must both have for a comparison point by point.
+_MIN_SIZE = 0.4  # Radii over which these points must be spread to tell the size of a body; those of a face do not.
 _AS_GOOD = 2.0, 0.2  # Another link is nearly as good if it costs up to twice as much, and .2 more.
 _NEXT = 30  # Tracks that begin next after the end of one, of which one may go on with it.
-_MOST_OVER_GAPS = 500_000  # Pairs that are compared in each round of joining.
-_MOST_ROUNDS = 20  # Of joining over gaps: most films need two or three.
-_MOST_PAIRS = 4_000_000
+_MAX_OVER_GAPS = 500_000  # Pairs that are compared in each round of joining.
+_MAX_ROUNDS = 20  # Of joining over gaps: most films need two or three.
+_MAX_PAIRS = 4_000_000
 """In the same or consecutive frames: 2.4 hours at 30 frames a second with four persons, or ten minutes with fifteen."""
 _REMEMBERED_S, _REMEMBERED = 0.15, 4
 """Seconds, and at most so many further frames, before and after a gap that are compared across it, by their medians."""
@@ -91,7 +91,7 @@ def find_tracks(people: Detections) -> Tracks:
     first, last = (np.searchsorted(people.places, people.places + 1, side) for side in ("left", "right"))
     possible = _feasible(people, *_pairs(np.arange(len(people.places)), first, last), people.points, people.points)
     _take(possible, previous, following, _SURE + _SURE_PER_SECOND / people.rate_hz)
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         ends, begins = np.flatnonzero(following < 0), np.flatnonzero(previous < 0)
         until, since = _steady(people, previous, ends), _steady(people, following, begins)
         more = _feasible(people, *_over_gaps(people.places, ends, begins), until, since)
@@ -117,14 +117,14 @@ def seen_twice(people: Detections) -> npt.NDArray[np.bool_]:
 
 def _over_gaps(places: Indices, ends: Indices, begins: Indices) -> tuple[Indices, Indices]:
     first = np.searchsorted(places[begins], places[ends], "right")
-    most = min(_NEXT, max(_MOST_OVER_GAPS // max(len(ends), 1), 1))
+    most = min(_NEXT, max(_MAX_OVER_GAPS // max(len(ends), 1), 1))
     before, after = _pairs(ends, first, np.minimum(first + most, len(begins)))
     return before, begins[after]
 
 
 def _pairs(items: Indices, first: Indices, last: Indices) -> tuple[Indices, Indices]:
     counts = last - first
-    if counts.sum() > _MOST_PAIRS:
+    if counts.sum() > _MAX_PAIRS:
         raise UnusableFileError("has more persons in its frames than can be told apart; keep those near the infant")
     offsets = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return np.repeat(items, counts), np.repeat(first, counts) + offsets
@@ -166,7 +166,7 @@ def _of_one_person(
     one, other = until[before], since[after]
     radius = np.minimum(radii[before], radii[after])
     apart = _lengths(one - other)
-    comparable = np.isfinite(apart).sum(axis=1) >= _LEAST_SHARED
+    comparable = np.isfinite(apart).sum(axis=1) >= _MIN_SHARED
     moved = np.where(comparable, _medians(apart), _lengths(_medians(one) - _medians(other))) / radius
     names = people.identities[before], people.identities[after]
     known = np.where(np.minimum(*names) >= 0, np.where(names[0] == names[1], -_KNOWN, _KNOWN), 0.0)
@@ -174,7 +174,7 @@ def _of_one_person(
     near = np.flatnonzero(moved <= np.minimum(_AT_ONCE + _SPEED * gaps_s, _FARTHEST))
     shared = np.where(np.isfinite(apart[near, :, None]), 1.0, np.nan)
     sizes = _radii(shared * one[near]), _radii(shared * other[near])
-    measurable = comparable[near] & (np.minimum(*sizes) > _LEAST_SIZE * radius[near])
+    measurable = comparable[near] & (np.minimum(*sizes) > _MIN_SIZE * radius[near])
     growth = np.where(measurable, np.maximum(*sizes) / np.where(measurable, np.minimum(*sizes), 1.0), 1.0)
     possible = near[growth <= _GROWS]
     return Links(before[possible], after[possible], costs[possible])
@@ -218,7 +218,7 @@ _LONG = 0.5  # Share of the frames of whoever is seen for longest, from which on
 _ALIKE = 0.6  # How many times as large as the infant somebody else must be to be taken for it by others.
 _SELDOM = 0.1  # Share of the infant's frames below which somebody else is not doubted to be it.
 _LARGEST = 2**63  # More than any number of a person.
-_SHOWN = 6
+_MAX_LISTED = 6
 
 
 class Person(NamedTuple):
@@ -327,7 +327,7 @@ def place_points(
     places = np.array([frame.place for frame, _, _ in several])
     names = sorted({who.identity for _, _, who in several} - {""})
     index = {name: number for number, name in enumerate(names)}
-    identities = _told_apart(np.array([index.get(who.identity, -1) for _, _, who in several]), places)
+    identities = _unique_identities(np.array([index.get(who.identity, -1) for _, _, who in several]), places)
     said_hz = options.rate_hz or _RATE_HZ
     rate_hz = said_hz if RATES_HZ[0] <= said_hz <= RATES_HZ[1] else _RATE_HZ
     once = ~seen_twice(Detections(places[there], placed[there], identities[there], rate_hz))
@@ -352,7 +352,7 @@ def place_points(
     return positions, confidence, (*notes, *_account(people, track))
 
 
-def _told_apart(identities: Indices, places: Indices) -> Indices:
+def _unique_identities(identities: Indices, places: Indices) -> Indices:
     """Return identities without those that several persons in a frame have, as AlphaPose's 0 if it does not track."""
     named = identities >= 0
     frames = int(places.max()) + 1
@@ -422,7 +422,7 @@ def _account(people: _People, track: int) -> Iterator[str]:
     names = [one_line(people.names[int(index)]) for index in people.identities[mine] if index >= 0]
     names = [name for name, _ in groupby(names)]
     if len(names) > 1:
-        joined = f"{counted(len(names) - 1, 'time')}, and is joined: {first_of(names, _SHOWN)}"
+        joined = f"{counted(len(names) - 1, 'time')}, and is joined: {first_of(names, _MAX_LISTED)}"
         yield f"the infant's track goes on under another ID {joined}"
     if (who := people.identity_of(track)) >= 0:
         elsewhere = (people.identities == who) & ~mine

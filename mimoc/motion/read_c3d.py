@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.regular_files import UnusableFileError, one_line
-from mimoc.motion.frame_files import MOST_FRAMES, read_whole_file
+from mimoc.motion.frame_files import MAX_FRAMES, read_whole_file
 from mimoc.motion.point_recording import PointRecording, ReadOptions
 from mimoc.motion.timing import LENGTHS, metres_in
 
@@ -26,7 +26,7 @@ _DEC = 85
 _USUAL_UNIT = "mm"  # Of files that name none.
 _DAMAGED = "is damaged, or no C3D file; export it again"
 _KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}
-_MOST_MARKERS = 2000
+_MAX_MARKERS = 2000
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,8 +121,8 @@ def _layout(content: bytes, order: str, parameters: Mapping[str, npt.NDArray[Any
         frames = held
     if start < _BLOCK or not 0 < frames <= held:
         raise ValueError("frames are missing")
-    if markers > _MOST_MARKERS or frames > MOST_FRAMES:
-        most = f"{_MOST_MARKERS:,} markers and {MOST_FRAMES:,} frames"
+    if markers > _MAX_MARKERS or frames > MAX_FRAMES:
+        most = f"{_MAX_MARKERS:,} markers and {MAX_FRAMES:,} frames"
         raise UnusableFileError(f"has {markers:,} markers and {frames:,} frames; mimoc reads up to {most}: cut it")
     rates = parameters.get("RATE", np.empty(0))
     return _Layout(markers, frames, analog, start, scale, float(rates[0]) if rates.size else rate_hz)

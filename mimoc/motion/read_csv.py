@@ -26,8 +26,8 @@ COLUMNS = {
     "depth": "depth_m",
 }
 """What the name of a column, or its end, says that it holds."""
-MOST_COLUMNS = 2000
-_MOST_CELLS = 2**24
+MAX_COLUMNS = 2000
+_MAX_CELLS = 2**24
 _CLOCK = re.compile(r"(?:.*[ T])?(?:([0-9]{1,2}):)?([0-9]{1,2}):([0-9]{1,2}(?:[.,][0-9]+)?)")
 _SIXTY = 3600, 60, 1  # A time of day or since the beginning, as in `00:01:59.033`, and the seconds of its parts.
 _OF_AXIS = re.compile(rf"(?:.+[_. -])?[xy]_(px|{'|'.join(METRES)})", re.IGNORECASE)
@@ -42,8 +42,8 @@ def read_cells(content: bytes) -> list[list[str]]:
     try:
         text = content.decode("utf-8-sig")
         first = text.partition("\n")[0]
-        if sum(map(text.count, ",;\t\n")) > _MOST_CELLS:
-            raise UnusableFileError(f"has more than {_MOST_CELLS:,} cells, which no recording has; cut it")
+        if sum(map(text.count, ",;\t\n")) > _MAX_CELLS:
+            raise UnusableFileError(f"has more than {_MAX_CELLS:,} cells, which no recording has; cut it")
         rows = [row for row in csv.reader(text.splitlines(), delimiter=max(",;\t", key=first.count)) if row]
     except (UnicodeDecodeError, csv.Error):
         raise UnusableFileError("is not a table of text; save it as CSV (UTF-8)") from None
@@ -54,7 +54,7 @@ def read_cells(content: bytes) -> list[list[str]]:
     if wrong is not None:
         cells = counted(len(rows[wrong]), "cell")
         raise UnusableFileError(f"row {wrong + 1} has {cells}, not {width} as the first; export it again")
-    if width > MOST_COLUMNS:
+    if width > MAX_COLUMNS:
         raise UnusableFileError(f"has {width:,} columns, which no recording has; cut it")
     return rows
 
@@ -110,7 +110,7 @@ _DEEPLABCUT = "scorer", "individuals", "bodyparts", "coords"
 _NO_INDIVIDUAL = "single"  # What DeepLabCut calls the points that belong to no individual.
 _BRACKETS = re.compile(r"[ _]*[(\[]\s*(px|m|cm|mm)\s*[)\]]$", re.IGNORECASE)
 """A unit at the end of a column's name, such as that of `left_hip_x [mm]`."""
-_MOST_NAMED = 8
+_MAX_NAMED = 8
 MIN_SCORE = 0.3  # That of COCO's formats, where a table does not say what wrote it.
 MIN_SCORES = {"likelihood": 0.6, "visibility": 0.5}
 """Those of DeepLabCut (default of `pcutoff` in its projects) and MediaPipe (from which on its `drawing_utils` draw), by
@@ -204,7 +204,7 @@ def _long(name: str, header: Sequence[str], rows: Cells) -> PointRecording:
     if of_points is None or of_frames is None:
         raise UnusableFileError("has x and y, but no columns 'frame' and 'point'; add them, or name columns neck_x ...")
     labels = list(dict.fromkeys(row[of_points] for row in rows))
-    if len(labels) > MOST_COLUMNS:
+    if len(labels) > MAX_COLUMNS:
         raise UnusableFileError(f"has {len(labels):,} points, which no body has; check the column '{POINTS[0]}'")
     number_of = {label: index for index, label in enumerate(labels)}
     point = np.array([number_of[row[of_points]] for row in rows], dtype=np.intp)
@@ -255,7 +255,7 @@ def _infant(names: Sequence[str], options: ReadOptions) -> str:
         near = suggestion(one_line(asked), [one_line(name) for name in known])
         raise UnusableFileError(f"has no individual '{one_line(asked)}'; {near}")
     if len(known) > 1:
-        shown = one_line(first_of(known, _MOST_NAMED))
+        shown = one_line(first_of(known, _MAX_NAMED))
         raise UnusableFileError(
             f"has several individuals ({shown}); say which is the infant: infant='{one_line(known[0])}'"
         )

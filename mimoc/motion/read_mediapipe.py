@@ -12,7 +12,7 @@ import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.motion.checks import drop_unsure
-from mimoc.motion.frame_files import MOST_FRAMES, first_bytes, parse, parse_frames, read_frame_files, read_whole_file
+from mimoc.motion.frame_files import MAX_FRAMES, first_bytes, parse, parse_frames, read_frame_files, read_whole_file
 from mimoc.motion.point_recording import PointRecording, ReadOptions
 from mimoc.motion.read_csv import MIN_SCORES, POINTS, SUFFIXES, label_and_column, points_in, points_of, read_cells
 from mimoc.motion.sides import turned
@@ -37,12 +37,12 @@ _NUMBERED = re.compile("([xyzvp]|vis|visibility|presence)[_. -]?([0-9]{1,2})", r
 _SEEN = re.compile("(.+)[_. -](v|vis|presence)", re.IGNORECASE)
 _VISIBILITY = {"v": "visibility", "vis": "visibility", "p": "presence"}
 _FIRST_LINES = 100
-_MOST_FROM_HIPS = 0.02
+_MAX_FROM_HIPS = 0.02
 """Distance of the middle of the hips from the origin, which is there, in the median over time, [m]."""
 _RATES = "fps", "frame_rate", "framerate", "rate_hz"
 _LISTS = "frames", "results", "data", "poses", "landmarks", "pose_landmarks", "pose_world_landmarks"
 """Where frames stand in a JSON file that is an object."""
-_MOST_DIGITS = 19
+_MAX_DIGITS = 19
 _OTHERS = re.compile("face|hand|segment")  # In the names of landmarks that are not those of the pose.
 
 
@@ -85,7 +85,7 @@ def _placed(recording: PointRecording) -> PointRecording:
     hips = [recording.path(name) for name in ("left_hip", "right_hip") if name in recording.names]
     middle = sum(hips, np.zeros((recording.frames, 3))) / 2
     middle = middle[np.isfinite(middle).all(axis=1)] if len(hips) > 1 else middle[:0]
-    if not len(middle) or np.abs(np.median(middle, axis=0)).max() > _MOST_FROM_HIPS:
+    if not len(middle) or np.abs(np.median(middle, axis=0)).max() > _MAX_FROM_HIPS:
         note = "z is left out, which MediaPipe estimates"
         return replace(recording, positions=recording.positions[..., :2], notes=(*recording.notes, note))
     placed = turned(recording, "-z")
@@ -195,7 +195,7 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
     rate_hz = math.nan
     if isinstance(data, dict):
         rate_hz = next((float(data[key]) for key in _RATES if _is_finite(data.get(key))), math.nan)
-        if data and all(key.isdecimal() and len(key) <= _MOST_DIGITS for key in data):
+        if data and all(key.isdecimal() and len(key) <= _MAX_DIGITS for key in data):
             data = [data[key] for key in sorted(data, key=int)]
         else:
             data = next((data[key] for key in _LISTS if isinstance(data.get(key), list)), None)
@@ -203,8 +203,8 @@ def _frames(data: Any) -> tuple[Sequence[Any], float]:
         raise UnusableFileError("has no list of frames with landmarks; export it again, or give another format")
     if isinstance(data[0], dict) and "x" in data[0]:
         data = [data]
-    if len(data) > MOST_FRAMES:
-        raise UnusableFileError(f"has {len(data):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    if len(data) > MAX_FRAMES:
+        raise UnusableFileError(f"has {len(data):,} frames; mimoc reads up to {MAX_FRAMES:,}: cut it")
     return data, rate_hz
 
 

@@ -39,8 +39,8 @@ POINTS = {
     },
 }
 """The joints that are points of mimoc's: a segment of SMIL begins at its joint."""
-_MOST_METRES = 20.0  # Depths above are in millimetres.
-_MOST_TRUNK_M = 10.0
+_MAX_METRES = 20.0  # Depths above are in millimetres.
+_MAX_TRUNK_M = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRec
     depth_m = numbers[..., 2].copy()
     known = depth_m[np.isfinite(depth_m)]
     has_depth = bool(known.size and known.any())
-    if has_depth and np.median(known) > _MOST_METRES:
+    if has_depth and np.median(known) > _MAX_METRES:
         depth_m, notes = depth_m / 1000, [*notes, "depths are taken for millimetres"]
     confidence = np.isfinite(numbers[..., 0]).astype(np.float64)
     return PointRecording(
@@ -106,7 +106,7 @@ def _in_space(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointReco
     positions = numbers * (1.0, -1.0, -1.0)
     trial = PointRecording(name, RATE_HZ, tuple(POINTS), positions, np.isfinite(positions[..., 0]).astype(np.float64))
     with np.errstate(invalid="ignore"):
-        is_mm = bool(np.isfinite(positions).any()) and trial.trunk > _MOST_TRUNK_M
+        is_mm = bool(np.isfinite(positions).any()) and trial.trunk > _MAX_TRUNK_M
     positions = positions / (1000 if is_mm else 1)
     if np.isfinite(positions).any():
         positions[..., 2] -= np.nanmin(positions[..., 2])

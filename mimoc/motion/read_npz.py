@@ -7,9 +7,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from mimoc.base.errors import BundleError
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
+from mimoc.bundle.io import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, problems_in
-from mimoc.motion.frame_files import MOST_FRAMES, read_whole_file
+from mimoc.motion.frame_files import MAX_FRAMES, read_whole_file
 from mimoc.motion.point_recording import Camera, PointRecording, ReadOptions
 from mimoc.schema.base import Model
 
@@ -55,8 +55,8 @@ def read(path: Path, options: ReadOptions) -> PointRecording:
     is_whole = positions.ndim == 3 and positions.shape[-1] in (2, 3) and shape[1] == len(about.names)
     if not is_whole or confidence.shape != shape or (depth_m is not None and depth_m.shape != shape):
         raise UnusableFileError("has arrays whose shapes do not fit each other; write it again")
-    if len(positions) > MOST_FRAMES:
-        raise UnusableFileError(f"has {len(positions):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    if len(positions) > MAX_FRAMES:
+        raise UnusableFileError(f"has {len(positions):,} frames; mimoc reads up to {MAX_FRAMES:,}: cut it")
     camera = Camera(**dict(about.camera)) if about.camera else None
     return PointRecording(about.name, about.rate_hz, about.names, positions, confidence, camera, depth_m, about.notes)
 

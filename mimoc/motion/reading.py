@@ -10,18 +10,17 @@ import numpy as np
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import OutputError, RecordingError, check_name
 from mimoc.base.kinds import function_of
-from mimoc.bundle.files import make_folder, write_file
+from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError, one_line
 from mimoc.motion.checks import check_numbers, check_points, check_rate, check_timing, drop_unsure, in_pixels
 from mimoc.motion.labels import name_points
 from mimoc.motion.point_recording import UPS, VIEWS, Camera, PointRecording, ReadOptions, Up, View
-from mimoc.motion.read_mini_rgbd import FOLDERS, JOINTS, POINTS
 from mimoc.motion.read_npz import pack
 from mimoc.motion.sides import turned
 from mimoc.schema.kinds import FORMATS, MotionFormat
 from mimoc.schema.plugins import load_plugins
 
-MOST_PIXELS = 100_000  # Of the width or height of a picture.
+MAX_PIXELS = 100_000  # Of the width or height of a picture.
 
 
 @takes("the path of a recording of points", *PATH)
@@ -77,7 +76,7 @@ def read_points(
         raise RecordingError(f"{place}: min_score={min_score:g} is no confidence; give one from 0 to 1")
     if picture_px is None and camera is not None:
         picture_px = camera.size_px
-    if picture_px is not None and not (len(picture_px) == 2 and all(1 <= size <= MOST_PIXELS for size in picture_px)):
+    if picture_px is not None and not (len(picture_px) == 2 and all(1 <= size <= MAX_PIXELS for size in picture_px)):
         raise RecordingError(f"{place}: the size of the picture is {picture_px}; give width and height in pixels")
     options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
     return _read_in_words(place, format, options)
@@ -149,26 +148,6 @@ def write_points(recording: PointRecording, path: str | Path) -> Path:
         raise OutputError(f"{path}: not a name for points; end it in {' or '.join(SUFFIXES)}")
     content = pack(recording) if path.suffix.lower() == ".npz" else "\n".join([*_lines(recording), ""]).encode()
     return write_file(path, content)
-
-
-def write_mini_rgbd(recording: PointRecording, folder: Path) -> Path:
-    """Write a recording as a sequence of MINI-RGBD: joints in pixels with their depth, or in space.
-
-    Of 25 joints it has those that are points of the recording and are seen; places in space are in the frame of a
-    camera that looks down from the height of 1 m.
-    """
-    joints = FOLDERS[recording.unit == "m"]
-    place = make_folder(folder / joints.folder, below=folder.parent)
-    numbers = [JOINTS.index(POINTS[name]) for name in recording.names]
-    depth_m = np.zeros(recording.confidence.shape) if recording.depth_m is None else recording.depth_m
-    columns = np.concatenate([recording.positions, depth_m[..., None]], axis=-1)[..., :3]
-    if joints.in_space:
-        columns = columns * (1.0, -1.0, -1.0) + (0.0, 0.0, 1.0)
-    for frame, rows in enumerate(columns.tolist()):
-        seen = [(row, number) for row, number in zip(rows, numbers, strict=True) if not math.isnan(sum(row))]
-        text = "".join(f"{first!r} {second!r} {third!r} {number}\n" for (first, second, third), number in seen)
-        write_file(place / f"{joints.prefix}{frame:05d}.txt", text.encode())
-    return folder
 
 
 def _lines(recording: PointRecording) -> Iterator[str]:

@@ -18,7 +18,7 @@ _JUMP = 0.25
 """Least mean distance, in trunks, that the points of both limbs jump from a frame to the next if they are exchanged:
 hips alone, which are closest together, are .21 to .29 apart. Limbs that move need several frames for it."""
 _RATIO = 1 / 3  # How much shorter the way must be if left and right are exchanged back.
-_LEAST_ACROSS = 0.1  # Of the trunk's length squared: less of the front is seen of an infant that lies on its side.
+_MIN_ACROSS = 0.1  # Of the trunk's length squared: less of the front is seen of an infant that lies on its side.
 _TURNS: Mapping[str, npt.NDArray[np.int_]] = {
     "x": np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]]),
     "-x": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
@@ -27,7 +27,7 @@ _TURNS: Mapping[str, npt.NDArray[np.int_]] = {
     "-z": np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
 }
 """Rotations that turn an axis to z."""
-_LEAST_BEND = 0.3  # Sine of the angle, about the infant's left, from which on a knee is clearly bent.
+_MIN_BEND = 0.3  # Sine of the angle, about the infant's left, from which on a knee is clearly bent.
 
 
 def repair_exchanges(recording: PointRecording) -> PointRecording:
@@ -92,7 +92,7 @@ def share_from_behind(recording: PointRecording) -> float:
     """
     across, along = _across(recording), recording.path("neck") - recording.hips
     area = (across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]) / recording.trunk**2
-    clear = np.abs(area) > _LEAST_ACROSS
+    clear = np.abs(area) > _MIN_ACROSS
     return float((area[clear] > 0).mean()) if clear.any() else np.nan
 
 
@@ -121,7 +121,7 @@ def share_of_knees_backwards(recording: PointRecording) -> float:
             thigh, shank = _unit(knee - places.path(f"{side}_hip")), _unit(places.path(end) - knee)
             bends.append((np.cross(thigh, shank) * left).sum(axis=1))
     bent = np.concatenate(bends) if bends else np.empty(0)
-    bent = bent[np.abs(bent) > _LEAST_BEND]
+    bent = bent[np.abs(bent) > _MIN_BEND]
     return float((bent < 0).mean()) if bent.size else np.nan
 
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from mimoc.base.errors import counted
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.motion.frame_files import MOST_FRAMES, frame_places
+from mimoc.motion.frame_files import MAX_FRAMES, frame_places
 from mimoc.motion.point_recording import FloatArray
 
 _METRES = {
@@ -57,14 +57,14 @@ _TIMES = "time", "times", "timestamp", "timestamps", "t"
 _LIKELY_UNITS = "seconds", "milliseconds", "microseconds", "nanoseconds"
 """Of times without a unit: the first with which the rate is one of cameras."""
 _RATES_HZ = 1.0, 1000.0
-_LARGEST_FRAME = 2**53
+_MAX_FRAME_NUMBER = 2**53
 _RATE_DIGITS = 9  # Digits of a frame rate that times of some digits can tell, after the point.
 _JITTER = 0.1  # Range of the differences from even times, in frames, that is no more than jitter.
 _ROUNDED = 1.5  # The same in units of the last digit of times, if these are a frame or less.
 _WHOLE = 0.01  # Of a digit: what times are apart from whole numbers of it by the precision of floats.
 _NEAR = 0.05  # Of a frame: a row that is so near is taken for it.
-_LONGEST_STEP = 1.75  # Frames between two rows; more is a gap.
-_MOST_TWICE = 0.1  # Share of rows that may have the time of the row before.
+_MAX_STEP = 1.75  # Frames between two rows; more is a gap.
+_MAX_TWICE = 0.1  # Share of rows that may have the time of the row before.
 _WHOLE_RATE = 0.02
 """Resampled recordings have a whole number of frames a second, if their usual rate is so near to one."""
 
@@ -106,8 +106,8 @@ def timing(header: Sequence[str], numbers: FloatArray) -> Timing:
     Raises:
         UnusableFileError: If times or frame numbers do not rise, or are not those of a film.
     """
-    if len(numbers) > MOST_FRAMES:
-        raise UnusableFileError(f"has {len(numbers):,} frames; mimoc reads up to {MOST_FRAMES:,}: cut it")
+    if len(numbers) > MAX_FRAMES:
+        raise UnusableFileError(f"has {len(numbers):,} frames; mimoc reads up to {MAX_FRAMES:,}: cut it")
     rows = np.arange(len(numbers))
     times = _times(header, numbers)
     frames = next((numbers[:, header.index(name)] for name in FRAMES if name in header), None)
@@ -145,7 +145,7 @@ def _between(places: FloatArray) -> tuple[IntArray, FloatArray, npt.NDArray[np.b
     before = np.searchsorted(places, frames + _NEAR, side="right") - 1
     steps = np.append(np.diff(places), 1.0)[before]
     since = frames - places[before]
-    is_gap = (steps > _LONGEST_STEP) & (np.abs(since) > _NEAR) & (np.abs(steps - since) > _NEAR)
+    is_gap = (steps > _MAX_STEP) & (np.abs(since) > _NEAR) & (np.abs(steps - since) > _NEAR)
     share = np.where(np.abs(since) <= _NEAR, 0.0, (since / steps).clip(0, 1))
     return before, share, is_gap
 
@@ -157,7 +157,7 @@ def _times(header: Sequence[str], numbers: FloatArray) -> _Times | None:
     index, unit_s = min(units, key=lambda found: math.isnan(found[1]))
     values = numbers[:, index]
     steps = np.diff(values)
-    if len(steps) and not (np.isfinite(values).all() and steps.min() >= 0 and (steps == 0).mean() <= _MOST_TWICE):
+    if len(steps) and not (np.isfinite(values).all() and steps.min() >= 0 and (steps == 0).mean() <= _MAX_TWICE):
         raise UnusableFileError("has times that do not rise from row to row; check the column of times")
     if not math.isnan(unit_s) or not len(steps):
         return _Times(values, 1 / unit_s)
@@ -183,7 +183,7 @@ def _usual(steps: FloatArray) -> float:
 
 
 def _by_frames(rows: IntArray, frames: FloatArray) -> Timing:
-    if not (np.abs(frames) < _LARGEST_FRAME).all() or (np.diff(frames) < 0).any():
+    if not (np.abs(frames) < _MAX_FRAME_NUMBER).all() or (np.diff(frames) < 0).any():
         raise UnusableFileError("has frames without a number, or in no order; sort it by frames")
     places, notes = frame_places([int(frame) for frame in frames], [f"row {row + 2}" for row in rows])
     return Timing(rows, np.array(places, dtype=np.float64), math.nan, notes)
@@ -197,8 +197,8 @@ def _by_times(times: _Times, frames: FloatArray | None) -> Timing:
     since_s = (times.values[rows] - times.values[0]) / times.second
     steps_s = np.diff(since_s)
     usual_s = _usual(steps_s)
-    if since_s[-1] / usual_s >= MOST_FRAMES:
-        raise UnusableFileError(f"has times of more than {MOST_FRAMES:,} frames; check the column of times, or cut it")
+    if since_s[-1] / usual_s >= MAX_FRAMES:
+        raise UnusableFileError(f"has times of more than {MAX_FRAMES:,} frames; check the column of times, or cut it")
     single_s = steps_s[np.round(steps_s / usual_s) == 1].mean()
     numbers = np.concatenate([[0], np.cumsum(np.maximum(np.round(steps_s / single_s), 1))])
     for candidate in (numbers,) if frames is None else (frames[rows], numbers):

@@ -1,8 +1,12 @@
-"""Simulated infants as a camera above them sees them: at its rate, in whole pixels, in the size of real infants."""
+"""Infants whose movement is measured: recorded points, or simulated infants as a camera above them sees them.
 
-from collections.abc import Callable, Iterator, Sequence
+The camera has the rate of real infants' recordings, whole pixels, and shows infants in their size.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -10,24 +14,28 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import MovementError
+from mimoc.base.kinds import function_of
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.provenance import SCALE_NOT_KNOWN
 from mimoc.motion.body_points import locate
+from mimoc.motion.joint_motion import MOTION
 from mimoc.motion.labels import MINI_RGBD_POINTS, SIDES
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, FloatArray, PointRecording
-from mimoc.movement.measures import LEAST_S
+from mimoc.motion.reading import read_again, read_points
+from mimoc.movement.measures import MIN_S
 from mimoc.policies.policy import PolicyMaker
 from mimoc.policies.rollout import rollout
+from mimoc.recording.folder import read_infant
 from mimoc.recording.reading import read_recording
 from mimoc.recording.replaying import replay_recording
-from mimoc.runtime.batch.vector_env import infants_of
+from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.opening.environments import open_infant
-from mimoc.runtime.opening.parallel import is_world_source, shared_world
+from mimoc.runtime.opening import is_world_source, open_infant, shared_world
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.kinds import FORMATS
 
 RATE_HZ = 30.0  # Frames per second of MINI-RGBD, as its files are read.
 TRUNK_PX = 138.0  # Mean length of the trunk of the infants of MINI-RGBD: the camera is as high as this needs.
@@ -64,12 +72,12 @@ class Film:
         self.times_s.append(float(env.data.time))
         self._block.append(env.data.qpos.copy())
 
-    def develop(self, name: str) -> Filmed:
+    def to_recording(self, name: str) -> Filmed:
         """Return what the camera saw, without the first second; MovementError if it is too short to measure."""
         self._locate()
         times_s = np.array(self.times_s)
         times_s -= times_s[0] if len(times_s) else 0.0
-        least_s = SETTLING_S + LEAST_S
+        least_s = SETTLING_S + MIN_S
         if not len(times_s) or times_s[-1] < least_s - 1e-6:
             reason = f"record at least {least_s:g} s, since the first {SETTLING_S:g} s is not measured"
             raise MovementError(f"{name}: too short to measure movement; {reason}")
@@ -148,7 +156,7 @@ def film_policy(
                 film.watch(infants[step.infant])
                 progress(done + step.number, len(seeds) * steps)
             for name, film in films.items():
-                yield film.develop(f"{label}, seed {seed}" + (f", {name}" if name else ""))
+                yield film.to_recording(f"{label}, seed {seed}" + (f", {name}" if name else ""))
 
 
 def film_recording(folder: Path, progress: Progress = no_progress, name: str = "") -> Iterator[Filmed]:
@@ -170,5 +178,89 @@ def film_recording(folder: Path, progress: Progress = no_progress, name: str = "
             if replayed.difference is not None:
                 raise MovementError(f"{folder}: cannot be measured, for it does not come out again: {replayed}")
             which = f"{called}, {who}, episode {replayed.episode.number}"
-            yield film.develop(which if len(recording) > 1 else called)
+            yield film.to_recording(which if len(recording) > 1 else called)
             film = Film()
+
+
+POINTS = "points.npz"  # The recorded points in a folder that `mimoc retarget` wrote.
+RECORDING, COHORT = "recording.json", "cohort.json"  # Marks of the folders of mimoc's recordings and of cohorts.
+BUNDLE = "manifest.json"
+SPECS = ".yaml", ".yml"
+MAX_RECORDINGS = 1000
+
+
+@dataclass(frozen=True)
+class SourceOptions:
+    """What is said of a source besides its path."""
+
+    policy: str | PolicyMaker | None = None
+    """Policy of a bundle or a spec, which is simulated: its name, or what makes it."""
+    seeds: Sequence[int] = range(12)
+    seconds: float = SECONDS
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    """Arguments of `read_points` for recorded points, such as `rate_hz`, where the files do not say it."""
+
+
+def films_in(path: Path, options: SourceOptions | None = None, progress: Progress = no_progress) -> list[Filmed]:
+    """Return the infants that a path stands for; MimocError if there is nothing that can be measured.
+
+    It is a recording of points; one of mimoc's, whose episodes are simulated again; a folder that `mimoc retarget`
+    wrote; a folder of such; a cohort's folder; or, with a policy, a bundle or a spec.
+    """
+    options = options or SourceOptions()
+    is_infant = _is_infant(path)
+    if is_infant and not options.policy:
+        raise MovementError(f"{path}: an infant, not a recording; say how it moves with --policy, such as random")
+    if options.policy and not is_infant:
+        raise MovementError(f"{path}: --policy is for a bundle or a spec, which is simulated; leave it out")
+    if options.policy:
+        return films_of(path, options, progress)
+    if not path.exists():
+        raise MovementError(f"{path}: does not exist; name a recording, or the folder of one")
+    return _recorded(path, options, progress)
+
+
+def reads_points(path: Path) -> bool:
+    """Return whether a path stands for points that mimoc did not write itself, or for a folder that may have some."""
+    return not _is_infant(path) and not any((path / mark).is_file() for mark in (POINTS, RECORDING, COHORT))
+
+
+def _is_infant(path: Path) -> bool:
+    return path.suffix.lower() in SPECS or (path / BUNDLE).is_file()
+
+
+def films_of(infant: Path | InfantSpec, options: SourceOptions, progress: Progress = no_progress) -> list[Filmed]:
+    """Return films of an infant that is simulated under the policy of some options; see `film_policy`."""
+    return [*film_policy(infant, options.policy or "zero", options.seeds, options.seconds, progress)]
+
+
+def _recorded(path: Path, options: SourceOptions, progress: Progress) -> list[Filmed]:
+    if (path / POINTS).is_file():
+        child = read_infant(path).manifest.child if (path / MOTION).is_file() else None
+        return [noted(Filmed(read_again(path / POINTS)), child)]
+    if (path / RECORDING).is_file():
+        return [*film_recording(path, progress)]
+    if (path / COHORT).is_file():
+        folders = [mark.parent for mark in _first(path.rglob(RECORDING), path)]
+        if not folders:
+            raise MovementError(f"{path}: a cohort without recordings; give its step 'run' the option record: true")
+        named = [(folder, folder.relative_to(path).as_posix()) for folder in folders]
+        return [film for folder, name in named for film in film_recording(folder, progress, name)]
+    if not path.is_dir() or _is_recognised(path):
+        return [Filmed(read_points(path, **options.reading))]
+    inside = [item for item in _first(path.iterdir(), path) if (item / RECORDING).is_file() or _is_recognised(item)]
+    if not inside:
+        raise MovementError(f"{path}: nothing in this folder is a recording; name one, or a folder of several")
+    return [film for item in inside for film in _recorded(item, options, progress)]
+
+
+def _is_recognised(path: Path) -> bool:
+    hidden = path.name.startswith(".")
+    return not hidden and any(function_of(kind.recognise, "recognise")(path) for kind in FORMATS.values())
+
+
+def _first(paths: Iterator[Path], folder: Path) -> list[Path]:
+    chosen = sorted(islice(paths, MAX_RECORDINGS + 1))
+    if len(chosen) > MAX_RECORDINGS:
+        raise MovementError(f"{folder}: more than {MAX_RECORDINGS} files are in this folder; divide it")
+    return chosen

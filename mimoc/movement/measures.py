@@ -1,20 +1,85 @@
-"""The measures of movement of one recording, and its kicks."""
+"""The core measures of movement of one recording, movement units, and kicks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from scipy.signal import find_peaks, welch
 from scipy.stats import kurtosis
 
 from mimoc.base.errors import MovementError
-from mimoc.base.quantities.movement import CORE
+from mimoc.base.movement_quantities import CORE
 from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import CUTOFF_HZ, FloatArray, PointRecording
-from mimoc.runtime.quantities.movement_units import MOVING_TRUNK_S, movement_units
 
-LEAST_RATE_HZ = 2.5 * CUTOFF_HZ  # Slower recordings do not contain what the filter lets pass.
-LEAST_S = 2.0  # Shorter recordings have too few movements to measure.
+IntArray = npt.NDArray[np.integer]
+
+MOVING_TRUNK_S = 0.25  # A limb that is faster moves.
+TRUNK_POINTS = "neck", "left_hip", "right_hip"
+
+
+def movement_units(speed: FloatArray) -> IntArray:
+    r"""Return the frames of the maxima of a speed that are movement units.
+
+    They are at least .25 trunk/s, and rise from and fall to both sides by at least .125 trunk/s (their prominence)::
+
+        speed    A
+                / \    b    C
+               /   \  / \  / \       A and C are units; b is none, for it rises too little
+             _/     \/   \/   \_
+
+    Args:
+        speed: In the frame of the trunk, without what is faster than 6 Hz, shape (t,), [trunk/s].
+    """
+    return find_peaks(speed, height=MOVING_TRUNK_S, prominence=MOVING_TRUNK_S / 2)[0]
+
+
+def unit_spans(speed: FloatArray) -> list[tuple[int, int, int]]:
+    """Return the first, the fastest and the last frame of each movement unit, from minimum to minimum of the speed.
+
+    Units that the ends of the recording cut off are left out.
+    """
+    minima = find_peaks(-speed)[0]
+    afters = [(int(peak), int(np.searchsorted(minima, peak))) for peak in movement_units(speed)]
+    return [(int(minima[at - 1]), peak, int(minima[at])) for peak, at in afters if 0 < at < len(minima)]
+
+
+def _recorded_units(part: str, columns: Mapping[str, Any]) -> int | None:
+    """Return how many movement units a part has in the movement columns of an episode; None if it is not there.
+
+    Its centre of mass in the frame of the trunk in space: with h the middle of the hips, n the neck, l and r the hips
+    and T the median of |n - h|, the axes are u along n - h, w along l - r without its share along u, and u x w.
+    """
+    names = (*TRUNK_POINTS, part)
+    places_m = np.stack([[np.asarray(columns[f"{name}_{axis}_m"], float) for axis in "xyz"] for name in names])
+    if not np.isfinite(places_m).all() or places_m.shape[-1] < 2:
+        return None
+    rate_hz = 1 / float(np.median(np.diff(np.asarray(columns["time_s"], float))))
+    confidence = np.ones((places_m.shape[-1], len(names)))
+    whole = PointRecording("episode", rate_hz, names, places_m.transpose(2, 0, 1), confidence).smoothed()
+    neck, left, right, at = np.moveaxis(whole.positions, 1, 0)
+    middle = (left + right) / 2
+    trunk = neck - middle
+    lengths = np.linalg.norm(trunk, axis=1, keepdims=True)
+    along = trunk / lengths
+    across = (left - right) - ((left - right) * along).sum(1, keepdims=True) * along
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    axes = along, across, np.cross(along, across)
+    path = np.stack([((at - middle) * axis).sum(axis=1) for axis in axes], axis=-1) / np.median(lengths)
+    return len(movement_units(np.linalg.norm(np.gradient(path, axis=0) * rate_hz, axis=1)))
+
+
+right_hand_movement_units = partial(_recorded_units, "right_hand")
+left_hand_movement_units = partial(_recorded_units, "left_hand")
+right_foot_movement_units = partial(_recorded_units, "right_foot")
+left_foot_movement_units = partial(_recorded_units, "left_foot")
+
+
+MIN_RATE_HZ = 2.5 * CUTOFF_HZ  # Slower recordings do not contain what the filter lets pass.
+MIN_S = 2.0  # Shorter recordings have too few movements to measure.
 STAND_INS: Mapping[str, tuple[str, ...]] = {"hand": ("wrist",), "foot": ("big_toe", "ankle")}
 """What is measured where a pose estimator does not know a hand or a foot, the best first. Wrists and ankles move less:
 speeds come out lower."""
@@ -58,12 +123,12 @@ def trunk_paths(recording: PointRecording) -> TrunkPaths:
     Raises:
         MovementError: If points are missing or never seen, or it is too slow or too short for measures of movement.
     """
-    if recording.rate_hz < LEAST_RATE_HZ:
+    if recording.rate_hz < MIN_RATE_HZ:
         slow = f"{recording.rate_hz:g} frames/s are too few to measure movement"
-        raise MovementError(f"{recording.name}: {slow}; record at least {LEAST_RATE_HZ:g}")
-    if recording.frames < LEAST_S * recording.rate_hz:
+        raise MovementError(f"{recording.name}: {slow}; record at least {MIN_RATE_HZ:g}")
+    if recording.frames < MIN_S * recording.rate_hz:
         short = f"{recording.frames} frames are too few to measure movement"
-        raise MovementError(f"{recording.name}: {short}; record at least {LEAST_S:g} s")
+        raise MovementError(f"{recording.name}: {short}; record at least {MIN_S:g} s")
     smooth = _with_stand_ins(recording).smoothed()
     flat = np.array(smooth.positions[..., :2])
     hips = (flat[:, smooth.names.index("left_hip")] + flat[:, smooth.names.index("right_hip")]) / 2

@@ -11,13 +11,20 @@ from mimoc.base.errors import MovementError
 from mimoc.base.quantities import QUANTITIES
 from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import PointRecording
-from mimoc.movement.classifier import WINDOW_S, Windows, told_apart, told_apart_error, windows_of
 from mimoc.movement.filming import Filmed, Progress, no_progress
-from mimoc.movement.joints import joint_measures
-from mimoc.movement.measured import measure_movement, measure_sides
-from mimoc.movement.measures import LEAST_S, stand_ins, trunk_paths
-from mimoc.movement.real_infants import told_from_real
-from mimoc.movement.sample import Sample, distance, standard_scores
+from mimoc.movement.measured import joint_measures, measure_movement, measure_sides
+from mimoc.movement.measures import MIN_S, stand_ins, trunk_paths
+from mimoc.movement.sample import (
+    WINDOW_S,
+    Sample,
+    Windows,
+    accuracy_against_real,
+    balanced_accuracy,
+    balanced_accuracy_error,
+    distance,
+    standard_scores,
+    windows_of,
+)
 
 SPEEDS, APART = ("hand_speed_median_trunk_s", "foot_speed_median_trunk_s"), 2.0
 """Speeds that tell whether sides differ, and from which ratio on they do; a choice."""
@@ -25,7 +32,7 @@ DIGITS = 6
 
 
 @dataclass(frozen=True)
-class ToldApart:
+class ClassifierAccuracy:
     """How well a classifier tells two groups of infants apart by windows of 8 s."""
 
     accuracy: float  # Balanced accuracy, with whole infants left out; .5 is chance.
@@ -49,7 +56,7 @@ class MovementMeasures:
     names: tuple[str, ...]
     infants: tuple[Mapping[str, float], ...]  # Measures of each, by the name of the quantity.
     sample: Sample | None = None
-    apart: ToldApart | None = None
+    apart: ClassifierAccuracy | None = None
     notes: tuple[str, ...] = ()
     sides: Mapping[str, tuple[Mapping[str, float], ...]] = field(default_factory=dict)
     """The measures of each that a side has, by `left` and `right`."""
@@ -113,26 +120,21 @@ class MovementMeasures:
 
     def to_data(self) -> dict[str, Any]:
         """Return it as plain data for JSON, numbers to six digits."""
-        measures = {
-            name: {
-                "label": QUANTITIES[name].label,
-                "unit": QUANTITIES[name].unit,
-                "mean": _short(mean),
-                **_spread_data(self.spreads[name]),
-                "infants": [_short(one[name]) if name in one else None for one in self.infants],
-                **{
-                    side: {
-                        "mean": _short(means[name]),
-                        **_spread_data(self.side_spreads[side][name]),
-                        "infants": [_short(one.get(name)) for one in self.sides[side]],
-                    }
-                    for side, means in self.side_means.items()
-                    if name in means
-                },
-                **self._compared(name),
+        spreads, side_means, side_spreads = self.spreads, self.side_means, self.side_spreads
+        measures: dict[str, dict[str, Any]] = {}
+        for name, mean in self.means.items():
+            quantity = QUANTITIES[name]
+            values = [_short(one.get(name)) for one in self.infants]
+            measures[name] = {
+                "label": quantity.label,
+                "unit": quantity.unit,
+                **_statistics(mean, spreads[name], values),
             }
-            for name, mean in self.means.items()
-        }
+            for side, means in side_means.items():
+                if name in means:
+                    values = [_short(one.get(name)) for one in self.sides[side]]
+                    measures[name][side] = _statistics(means[name], side_spreads[side][name], values)
+            measures[name] |= self._compared(name)
         data: dict[str, Any] = {"infants": list(self.names), "measures": measures, "notes": list(self.notes)}
         data["spread_is_over"] = self.spread_is_over
         if self.beside:
@@ -176,8 +178,8 @@ def _spreads(means: Mapping[str, float], rows: Sequence[Mapping[str, float]]) ->
     return spreads
 
 
-def _spread_data(spread: Spread) -> dict[str, Any]:
-    return {"n": spread.n, "sd": _short(spread.sd)}
+def _statistics(mean: float, spread: Spread, values: Sequence[float | None]) -> dict[str, Any]:
+    return {"mean": _short(mean), "n": spread.n, "sd": _short(spread.sd), "infants": values}
 
 
 def measure_all(films: Sequence[Filmed], progress: Progress = no_progress) -> MovementMeasures:
@@ -187,8 +189,8 @@ def measure_all(films: Sequence[Filmed], progress: Progress = no_progress) -> Mo
         return measured
     seconds = films[0].seen.frames / films[0].seen.rate_hz
     window_s = WINDOW_S if seconds >= 2 * WINDOW_S else float(int(seconds / 2))
-    if window_s < LEAST_S:
-        few = f"no spread is known: one recording of less than {2 * LEAST_S:g} s cannot be divided"
+    if window_s < MIN_S:
+        few = f"no spread is known: one recording of less than {2 * MIN_S:g} s cannot be divided"
         return replace(measured, notes=(*measured.notes, few))
     windows = _measured(list(_windows(films[0], window_s)))
     return replace(measured, windows=windows, window_s=window_s)
@@ -240,13 +242,13 @@ def compare(
 
 def _told_apart(
     windows: Windows, sample: Sample | Sequence[PointRecording], generator: np.random.Generator
-) -> ToldApart:
+) -> ClassifierAccuracy:
     if isinstance(sample, Sample):
-        accuracy, deviation = told_from_real(windows, generator)
-        return ToldApart(accuracy, False, deviation, len(windows.values))
+        accuracy, deviation = accuracy_against_real(windows, generator)
+        return ClassifierAccuracy(accuracy, False, deviation, len(windows.values))
     others = windows_of(sample)
-    error = told_apart_error(others, windows)
-    return ToldApart(told_apart(others, windows), True, error, len(windows.values))
+    error = balanced_accuracy_error(others, windows)
+    return ClassifierAccuracy(balanced_accuracy(others, windows), True, error, len(windows.values))
 
 
 def _assumptions(recording: PointRecording) -> list[str]:

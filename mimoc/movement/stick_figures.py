@@ -8,22 +8,21 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from mimoc.base.errors import MovementError
+from mimoc.base.movement_quantities import CORE
 from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.movement import CORE
 from mimoc.motion.labels import BONES
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.movement.filming import Filmed
-from mimoc.movement.joints import joint_angles
-from mimoc.movement.measures import LEAST_RATE_HZ
+from mimoc.movement.measured import joint_angles
+from mimoc.movement.measures import MIN_RATE_HZ
 from mimoc.movement.report import MovementMeasures
 from mimoc.recording.video import Picture, open_video
 from mimoc.render.picture_files import tile_pictures
-from mimoc.render.plots.file import write_sheet
-from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
+from mimoc.render.plots import Band, Dots, Line, Plot, Sheet, write_sheet
 
 COLUMNS, PANEL_PX = 7, (390, 300)
 PHASE_PX = 420, 400
-MOST_PHASES = 12
+MAX_PHASES = 12
 INFANT = Quantity("infant", "Infant", about="Which of the infants that were measured", steps=())
 HIP = Quantity("hip_deg", "Angle of the hip", "°", "between trunk and thigh; 180 if straight", steps=())
 KNEE = Quantity("knee_deg", "Angle of the knee", "°", "between thigh and shank; 180 if straight", steps=())
@@ -61,7 +60,7 @@ def write_phases(films: Sequence[Filmed], path: str | Path) -> None:
     Raises a MovementError if no infant's points are known in space, and what `write_measures` does.
     """
     plots = []
-    for film in films[:MOST_PHASES]:
+    for film in films[:MAX_PHASES]:
         angles = joint_angles(film.space or film.seen)
         if angles:
             lines = tuple(Line(angles[f"{side}_hip"], angles[f"{side}_knee"], side) for side in ("left", "right"))
@@ -80,7 +79,7 @@ COLOURS = {"left": (51, 102, 154), "right": (200, 67, 31), "": (70, 70, 70)}
 """Of the left and of the right side, which colour-blind readers can distinguish, and of the middle."""
 TRAIL_COLOUR = (214, 214, 214)
 ENDS = "left_hand", "right_hand", "left_foot", "right_foot"
-MOST = 12
+MAX_FIGURES = 12
 
 
 def animate(
@@ -111,8 +110,8 @@ def animate(
         MovementError: If there are no recordings or too many, or one has no trunk.
         OutputError: If the file cannot be written.
     """
-    if not 0 < len(recordings) <= MOST:
-        raise MovementError(f"{len(recordings)} recordings to draw; choose 1 to {MOST}")
+    if not 0 < len(recordings) <= MAX_FIGURES:
+        raise MovementError(f"{len(recordings)} recordings to draw; choose 1 to {MAX_FIGURES}")
     longest = min(recording.frames / recording.rate_hz for recording in recordings)
     frames = max(1, int(min(seconds or longest, longest) * FRAMES_HZ))
     figures = [_StickFigure(recording, size_px) for recording in recordings]
@@ -141,7 +140,7 @@ class _StickFigure:
         missing = [name for name in ("neck", "left_hip", "right_hip") if name not in names]
         if missing:
             raise MovementError(f"{recording.name}: has no {', '.join(missing)}, without which it cannot be drawn")
-        is_known = recording.rate_hz >= LEAST_RATE_HZ
+        is_known = recording.rate_hz >= MIN_RATE_HZ
         self._places = _upright(recording.smoothed() if is_known else recording.filled()) * size_px * SHARP / TRUNKS
         self._places += size_px * SHARP * np.array([0.5, 0.5 + RAISED / TRUNKS])
         self._seen = np.isfinite(self._places).all(axis=-1) & (recording.confidence > 0)

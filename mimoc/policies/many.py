@@ -6,11 +6,19 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.base.kinds import function_of
-from mimoc.policies.named import Loader, Policies, limits_of, policies_of, policy_of, summed, with_silence
+from mimoc.policies.named import (
+    Loader,
+    Policies,
+    bound_to_many,
+    limits_of,
+    policies_of,
+    policy_of,
+    summed,
+    with_silence,
+)
 from mimoc.policies.policy import Batch, BatchPolicy, Policy, PolicyMaker, batch_of, begin_rows, start_again
-from mimoc.policies.spec import PolicyPart, parse_policy, told_apart
-from mimoc.runtime.batch.vector_env import infants_of
+from mimoc.policies.spec import PolicyPart, parse_policy, split_behaviours
+from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.world_env import WorldEnv
@@ -64,7 +72,7 @@ def policy_vec(policy: Policies, envs: Any, load: Loader | None = None) -> Any:
         return OneByOne([*policies_of(infants_of("policy_vec", envs), policy, load).values()])
     if not isinstance(policy, str):
         return SumOfMany(batch, [_one_by_one(batch, policy, "a function of your own")])
-    together, others = told_apart(parse_policy(policy))
+    together, others = split_behaviours(parse_policy(policy))
     policies = [_bound(batch, part, load) for part in others]
     if together:
         text = "+".join(part.text for part in together)
@@ -159,8 +167,7 @@ class OneByOne:
 def _bound(batch: Batch, part: PolicyPart, load: Loader | None) -> BatchPolicy:
     if part.kind is None or part.kind.many is None:
         return _one_by_one(batch, lambda env: policy_of(env, part.text, load), f"'{part.text}'")
-    bind = function_of(part.kind.many, "bind_many")
-    return bind(batch) if part.argument is None else bind(batch, part.argument)
+    return bound_to_many(batch, part)
 
 
 def _one_by_one(batch: Batch, maker: PolicyMaker, what: str) -> OneByOne:

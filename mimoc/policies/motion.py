@@ -14,7 +14,7 @@ from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import physics_of, set_physics
 from mimoc.motion.joint_motion import JointMotion, States, read_motion
-from mimoc.policies.control.tracking import Body, Demand, Tracker, Wanted
+from mimoc.policies.control.tracking import Demand, MovedBody, Tracker, Wanted
 from mimoc.policies.policy import begin_here
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
@@ -24,14 +24,14 @@ from mimoc.runtime.sense import FloatArray, Observation
 class Followed:
     """A motion that was followed over t control steps by an infant with n joints that actuators move."""
 
-    body: Body
+    body: MovedBody
     manifest: Manifest
     errors_rad: FloatArray  # Of joint angles, shape (t, n).
     root_errors: FloatArray  # Of the root's place [m] and orientation [rad], shape (t, 6); (t, 0) if it is held.
     applied: FloatArray  # Force [N] and torque [N m] that were applied at the root, shape (t, 6).
     demand: Demand
     headings = "joint", "error [°]", "torque needed / available", "95th percentile", "above 1", "known"
-    """Of the columns of `rows`."""
+    """Headings of the columns of `rows`."""
 
     def metrics(self) -> dict[str, float]:
         """Return the numbers of a run, by name with unit; those of which there is nothing are left out."""
@@ -157,7 +157,7 @@ class MotionPolicy:
 
     @property
     def followed(self) -> Followed:
-        """What was followed so far, for tables."""
+        """The motion as it was followed so far, for tables."""
         errors_rad, root_errors, applied = (np.array(rows) for rows in self._logged)
         return Followed(self._body, self._env.manifest, errors_rad, root_errors, applied, self._demand)
 
@@ -166,7 +166,7 @@ class MotionPolicy:
         self._model, self._step_s = env.model, ms_to_s(env.manifest.step_ms)
         self._places = self._motion.places(env.model, env.manifest.prefix)
         self._tracker = Tracker(env.model, env.data, env.manifest)
-        self._body = Body(env.model, env.manifest)
+        self._body = MovedBody(env.model, env.manifest)
         self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
         self._present, self._coming = self._motion.at(self._times_s(0.0)), self._states_when_acted()
 
@@ -221,7 +221,7 @@ class MotionPolicy:
     def _log(self, wanted: Wanted) -> None:
         errors, (joint_errors, root_errors, applied) = np.zeros(self._model.nv), self._logged
         mujoco.mj_differentiatePos(self._model, errors, 1.0, wanted.qpos, self._env.data.qpos)
-        joint_errors.append(errors[self._body.joints.speeds])
+        joint_errors.append(errors[self._body.joints.dofs])
         root_errors.append(errors[self._body.root_speeds])
         applied.append(self._env.data.qfrc_applied[self._body.root_speeds].copy())
 

@@ -9,8 +9,12 @@ from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import function_of
 from mimoc.policies.behaviours.policy import BehaviourPolicy, NamedBehaviour
 from mimoc.policies.policy import (
+    Batch,
+    BatchPolicy,
+    OfOne,
     Policy,
     PolicyMaker,
+    batch_of_one,
     begin,
     episode_limit_of,
     merged_metrics,
@@ -18,7 +22,7 @@ from mimoc.policies.policy import (
     numbered,
     start_again,
 )
-from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, told_apart
+from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, split_behaviours
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.sound import VOICE_HIGH, VOICE_LOW
@@ -45,7 +49,7 @@ def policy_of(env: Infant, policy: str | PolicyMaker, load: Loader | None = None
     """
     if not isinstance(policy, str):
         return policy(env)
-    together, others = told_apart(parse_policy(policy))
+    together, others = split_behaviours(parse_policy(policy))
     policies, labels = [_bound(env, part, load) for part in others], [part.label for part in others]
     if together:
         named = [NamedBehaviour(part.label, _binding(part)) for part in together]
@@ -131,13 +135,24 @@ def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
         if load is None:
             raise PolicyError(f"'{part.argument}': pass what mimoc.load_policy returns of it")
         return load(part.argument or "")(env)
+    if part.kind.run is None:
+        return OfOne(bound_to_many(batch_of_one(env), part))
     return _binding(part)(env)
 
 
 def _binding(part: PolicyPart) -> Callable[[Any], Any]:
     assert part.kind
+    assert part.kind.run
     bind = function_of(part.kind.run, "bind")
     return bind if part.argument is None else lambda bound_to: bind(bound_to, part.argument)
+
+
+def bound_to_many(batch: Batch, part: PolicyPart) -> BatchPolicy:
+    """Return a policy that acts for many infants at once."""
+    assert part.kind
+    assert part.kind.many
+    bind = function_of(part.kind.many, "bind_many")
+    return bind(batch) if part.argument is None else bind(batch, part.argument)
 
 
 class Silent:

@@ -1,4 +1,4 @@
-"""What a policy is."""
+"""Policies: their protocol for one infant and for many, the batches that the latter act for, and the two simplest."""
 
 import copy
 import math
@@ -13,10 +13,10 @@ from mimoc.base.classes import described
 from mimoc.base.errors import PolicyError
 from mimoc.bundle.model import physics_of, set_physics
 from mimoc.bundle.world import overlaps
-from mimoc.runtime.array_library import NUMPY, torch_library
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.term import Put
+from mimoc.runtime.worlds import NUMPY, torch_library
 
 Policy = Callable[[np.random.Generator, Observation], np.ndarray]
 """Returns the action for an observation, shape (n,); all random numbers come from the generator.
@@ -35,7 +35,7 @@ It can have a method `reset(rows)`, a boolean array of shape (k,): the episodes 
 PolicyMaker = Callable[[Infant], Policy]
 
 
-def metrics_of(policy: Policy) -> Mapping[str, float]:
+def metrics_of(policy: Policy | BatchPolicy) -> Mapping[str, float]:
     """Return the numbers that a policy tells of a run; none for a policy that has no `metrics`."""
     metrics = getattr(policy, "metrics", None)
     return metrics() if metrics else {}
@@ -59,6 +59,25 @@ def begin_rows(policy: BatchPolicy, rows: Any) -> None:
     reset = getattr(policy, "reset", None)
     if reset:
         reset(rows)
+
+
+class OfOne:
+    """The policy of a single infant that a policy of many is: a batch of its own."""
+
+    def __init__(self, many: BatchPolicy):
+        self.many = many
+
+    def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
+        """Return the action, shape (n,)."""
+        return self.many([generator], {name: reading[None] for name, reading in observation.items()})[0]
+
+    def reset(self) -> None:
+        """Begin an episode."""
+        begin_rows(self.many, np.array([True]))
+
+    def metrics(self) -> Mapping[str, float]:
+        """Return what the policy tells of a run."""
+        return metrics_of(self.many)
 
 
 def episode_limit_of(policy: Policy) -> float:
@@ -154,6 +173,23 @@ class _AssignedInfants(Sequence[Infant]):
         if row >= len(self):
             raise IndexError(row)
         return self._envs.assignment.infant(row)
+
+
+def bind_random(batch: Batch) -> BatchPolicy:
+    """Return the policy that draws every command uniformly from its range."""
+    low, high = batch.limits()
+
+    def act(generators: Sequence[np.random.Generator], observations: Any) -> Any:
+        rows = zip(generators, low, high, strict=True)
+        return batch.actions(batch.draw([generator.uniform(*limits) for generator, *limits in rows]))
+
+    return act
+
+
+def bind_zero(batch: Batch) -> BatchPolicy:
+    """Return the policy that commands nothing."""
+    actions = batch.actions(batch.put(np.clip(0.0, *batch.limits())))
+    return lambda generators, observations: actions
 
 
 def begin_here(infant: Infant) -> Observation:

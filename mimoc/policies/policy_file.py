@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import MimocError, PolicyError, UnknownNameError
-from mimoc.bundle.arrays import FIRST_DATE, READABLE, UNIX, pack_arrays, unpack_arrays
+from mimoc.bundle.io import FIRST_DATE, READABLE, UNIX, pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.infant import Infant
@@ -23,11 +23,11 @@ from mimoc.runtime.infant import Infant
 FloatArray = npt.NDArray[np.float32]
 
 MOST_BYTES = 2**29
-"""Of an archive, and of all that is unpacked of it; 512 MB. Policies of all senses and both eyes have some 10 MB."""
+"""Largest size of an archive, and of all that is unpacked from it: 512 MB. A policy with all senses has some 10 MB."""
 SMALL_BYTES = 2**24
-"""Of a member that may be packed to any degree: descriptions, and statistics of a skin that nothing has touched."""
-MOST_RATIO = 20  # Of a larger member to its packed size: weights of networks are noise, which cannot be packed.
-MOST_MEMBERS = 1000
+"""Largest member that may be packed to any degree: descriptions, and statistics of a skin that nothing touched."""
+MAX_RATIO = 20  # Largest ratio of a larger member to its packed size; weights of networks can hardly be packed.
+MAX_MEMBERS = 1000
 
 
 class Archive(zipfile.ZipFile):
@@ -36,14 +36,14 @@ class Archive(zipfile.ZipFile):
     def __init__(self, content: bytes):
         """Read the list of members; raise a ValueError or BadZipFile if it is no archive, or larger than any policy."""
         super().__init__(io.BytesIO(content))
-        if len(self.infolist()) > MOST_MEMBERS:
+        if len(self.infolist()) > MAX_MEMBERS:
             raise ValueError("an archive of too many members")
         self._left = MOST_BYTES
 
     def content(self, name: str) -> bytes:
         """Return the content of a member; raise a KeyError if there is none, a ValueError if it is too large."""
         member = self.getinfo(name)
-        if member.file_size > max(SMALL_BYTES, MOST_RATIO * member.compress_size) or member.file_size > self._left:
+        if member.file_size > max(SMALL_BYTES, MAX_RATIO * member.compress_size) or member.file_size > self._left:
             raise ValueError(f"{name} is larger than it can be")
         self._left -= member.file_size
         return self.read(member)
@@ -178,7 +178,7 @@ class TrainedPolicy:
         return action
 
 
-MOST_LAYERS = 17
+MAX_LAYERS = 17
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ class Network:
     def of_arrays(cls, arrays: Mapping[str, np.ndarray], inputs: int, outputs: int) -> "Network":
         """Return what `arrays` was called on; raise a Key- or ValueError if it is no network of these sizes."""
         count, rest = divmod(len(arrays) - 3, 2)
-        if rest or not 1 <= count <= MOST_LAYERS:
+        if rest or not 1 <= count <= MAX_LAYERS:
             raise ValueError("a network of another number of layers")
         layers = [(_real(arrays[f"{i}.weights"]), _real(arrays[f"{i}.biases"])) for i in range(count)]
         mean, deviation, clip = (_real(arrays[name]) for name in ("mean", "deviation", "clip"))

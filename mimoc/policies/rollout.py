@@ -5,16 +5,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import Loader, Policies, by_infant, policy_of
 from mimoc.policies.policy import Policy, begin, check_apart, episode_limit_of, metrics_of, start_again
-from mimoc.runtime.batch.vector_env import infants_of
+from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.infant import Infant
-from mimoc.runtime.quantities.measuring import Outcome, StepMeasures, Value, measure
+from mimoc.runtime.quantities import EpisodeResult, StepMeasures, Value, measure
 from mimoc.runtime.sense import Observation
 
 
@@ -30,6 +30,7 @@ class Step:
     reward: float
     info: dict[str, Any]
     ended: bool  # Whether this was the last step of the episode.
+    total_reward: float  # Sum of the rewards of the episode so far.
 
     @property
     def success(self) -> bool:
@@ -110,7 +111,7 @@ class Rollout:
             episode = 0 if episodes is None else number
             self._groups.append(_Group(names, first, episode, episodes is None or episode < episodes))
             first += len(names)
-        self._generators = dict[str, np.random.Generator]()
+        self._generators, self._returns = dict[str, np.random.Generator](), dict[str, float]()
         self.observations = dict[str, Observation]()
         """What each infant observes."""
         self._chosen, self._load = by_infant(policy, self.infants), load and cache(load)
@@ -137,6 +138,12 @@ class Rollout:
         """Return whether something ends the episodes of an infant."""
         (limit,) = (group.limit for group in self._groups if name in group.names)
         return limit < math.inf or self.infants[name].max_steps is not None
+
+    def result_of(self, last: Step, path_m: np.ndarray | None = None) -> EpisodeResult:
+        """Return the result of the episode that a step has ended."""
+        duration_s = ms_to_s(last.number * self.infants[last.infant].manifest.step_ms)
+        seed = None if self._episodes is None else self._seed + last.episode
+        return EpisodeResult(last.total_reward, last.number, last.success, duration_s, seed, path_m)
 
     def go(self, steps: float = math.inf) -> Iterator[Step]:
         """Yield the starts of episodes, and so many control steps, or those of all episodes."""
@@ -165,8 +172,9 @@ class Rollout:
             for name in group.acting:
                 observation, reward, ended, info = stepped[name]
                 ended, self.observations[name] = bool(ended or group.taken >= group.limit), observation
-                action, number = actions[name], group.taken
-                steps.append(Step(name, group.episode, number, observation, action, reward, info, ended))
+                self._returns[name] += reward
+                action, number, total = actions[name], group.taken, self._returns[name]
+                steps.append(Step(name, group.episode, number, observation, action, reward, info, ended, total))
             group.acting = [step.infant for step in steps if step.infant in group.acting and not step.ended]
         return steps
 
@@ -205,14 +213,14 @@ class Rollout:
             observed = {name: (self.infants[name].observe(), info) for name, (_, info) in observed.items()}
         for group in groups:
             for name in group.names:
-                self.observations[name], info = observed[name]
-                steps.append(Step(name, group.episode, 0, self.observations[name], None, 0.0, info, ended=False))
+                (self.observations[name], info), self._returns[name] = observed[name], 0.0
+                steps.append(Step(name, group.episode, 0, self.observations[name], None, 0.0, info, False, 0.0))
         return steps
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
-    """Summary of a run; everything but the wall time is determined by bundle, policy and seed.
+class RunSummary:
+    """Summary of one infant's run; everything but the wall time is determined by bundle, policy and seed.
 
     `measures` has all quantities that are measured in `run`; those that mimoc always has are also properties.
     """
@@ -260,49 +268,15 @@ class Summary:
         return bool(self.measures["unstable"])
 
 
-class Tally:
-    """What one infant did and earned in a run."""
-
-    def __init__(self, infant: Infant):
-        """Begin with an infant that has been reset."""
-        self._infant, self._measures, self._outcomes = infant, StepMeasures(infant, "run"), list[Outcome]()
-        self._reward, self._steps, self._earned = 0.0, 0, 0.0
-
-    def add(self, step: Step) -> None:
-        """Count a control step."""
-        self._reward, self._earned = self._reward + step.reward, self._earned + step.reward
-        self._steps += 1
-        self._measures.add(step.info)
-        if step.ended:
-            time_s = ms_to_s(step.number * self._infant.manifest.step_ms)
-            outcome = Outcome(self._earned, step.number, step.success, time_s if step.success else None)
-            self._outcomes.append(outcome)
-            self._earned = 0.0
-
-    def summary(self, wall_s: float, policy: Policy) -> Summary:
-        """Return the summary of the steps so far, of which there must be at least one."""
-        manifest = self._infant.manifest
-        return Summary(
-            steps=self._steps,
-            episodes=len(self._outcomes) + 1,
-            simulated_s=ms_to_s(self._steps * manifest.step_ms),
-            wall_s=wall_s,
-            total_reward=self._reward,
-            task=manifest.task.kind,
-            finished=len(self._outcomes),
-            successes=sum(outcome.success for outcome in self._outcomes),
-            measures={**measure("episode", "run", self._outcomes), **self._measures.measures()},
-            metrics=metrics_of(policy),
-        )
-
-
 class Run(Rollout):
     """A rollout that is stepped for as long as the caller wants, and then summarised; see `rollout`."""
 
     def __init__(self, env: Any, policy: Policies, seed: int = 0, load: Loader | None = None):
         """Reset the environment."""
         super().__init__(env, policy, seed=seed, load=load, function="a run")
-        self._tallies = {name: Tally(infant) for name, infant in self.infants.items()}
+        self._measures = {name: StepMeasures(infant, "run") for name, infant in self.infants.items()}
+        self._results: dict[str, list[EpisodeResult]] = {name: [] for name in self.infants}
+        self._steps, self._rewards = dict.fromkeys(self.infants, 0), dict.fromkeys(self.infants, 0.0)
 
     @property
     def observation(self) -> Observation:
@@ -312,16 +286,35 @@ class Run(Rollout):
     def step(self) -> None:
         """Take one control step; begin the next episodes of infants whose episodes have ended."""
         for step in self.advance():
-            self._tallies[step.infant].add(step)
+            self._steps[step.infant] += 1
+            self._rewards[step.infant] += step.reward
+            self._measures[step.infant].add(step.info)
+            if step.ended:
+                self._results[step.infant].append(self.result_of(step))
         self.renew()
 
-    def summary(self) -> Summary:
+    def summary(self) -> RunSummary:
         """Return the summary of the first infant's steps so far, of which there must be at least one."""
-        return next(iter(self.summaries().values()))
+        return self._summary(next(iter(self.infants)))
 
-    def summaries(self) -> dict[str, Summary]:
+    def summaries(self) -> dict[str, RunSummary]:
         """Return the summary of each infant's steps so far, of which there must be at least one."""
-        return {name: tally.summary(self.wall_s, self.policies[name]) for name, tally in self._tallies.items()}
+        return {name: self._summary(name) for name in self.infants}
+
+    def _summary(self, name: str) -> RunSummary:
+        manifest, results = self.infants[name].manifest, self._results[name]
+        return RunSummary(
+            steps=self._steps[name],
+            episodes=len(results) + 1,
+            simulated_s=ms_to_s(self._steps[name] * manifest.step_ms),
+            wall_s=self.wall_s,
+            total_reward=self._rewards[name],
+            task=manifest.task.kind,
+            finished=len(results),
+            successes=sum(result.success for result in results),
+            measures={**measure("episode", "run", results), **self._measures[name].measures()},
+            metrics=metrics_of(self.policies[name]),
+        )
 
 
 @dataclass(slots=True)
@@ -343,25 +336,8 @@ Stepped = Mapping[str, tuple[Observation, float, bool, dict[str, Any]]]
 """What infants observe after a step, rewards, whether their episodes have ended, and infos, by name."""
 
 
-class _Stage(Protocol):
-    """An environment as it is run: everything by infant."""
-
-    @property
-    def groups(self) -> Sequence[tuple[str, ...]]:
-        """Names of infants that begin their episodes together."""
-        ...
-
-    def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
-        """Begin an episode of some groups."""
-        ...
-
-    def step(self, actions: Mapping[str, np.ndarray]) -> Stepped:
-        """Take a control step."""
-        ...
-
-
 class _Alone:
-    """One infant."""
+    """An environment of one infant, as it is run: everything by infant, and those together that share a world."""
 
     groups = (("",),)
 
@@ -377,7 +353,7 @@ class _Alone:
 
 
 class _World:
-    """Infants in one world."""
+    """The same of infants in one world."""
 
     def __init__(self, world: Any):
         self._world, self.groups = world, (tuple(world.infants),)
@@ -395,7 +371,7 @@ class _World:
 
 
 class _Rows:
-    """Infants side by side, each in a world of its own, or several in each world."""
+    """The same of infants side by side, each in a world of its own, or several in each world."""
 
     def __init__(self, envs: Any, infants: Mapping[str, Infant]):
         self._envs, self._names = envs, tuple(infants)
@@ -434,7 +410,7 @@ class _Rows:
         return stepped
 
 
-def _stage_of(env: Any, infants: Mapping[str, Infant]) -> _Stage:
+def _stage_of(env: Any, infants: Mapping[str, Infant]) -> _Alone | _World | _Rows:
     if "" in infants:
         return _Alone(env)
     return _Rows(env, infants) if hasattr(env, "num_envs") else _World(env)

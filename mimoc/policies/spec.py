@@ -1,4 +1,4 @@
-"""What the text that chooses a policy can say: a name, a name with an argument, a trained policy, or a sum of these."""
+"""Parsing of the text that chooses a policy: a name, perhaps with an argument, a trained policy, or a sum of these."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -74,7 +74,7 @@ def parse_policies(text: str, names: Collection[str]) -> dict[str, str]:
     return policies
 
 
-def told_apart(parts: Sequence[PolicyPart]) -> tuple[tuple[PolicyPart, ...], tuple[PolicyPart, ...]]:
+def split_behaviours(parts: Sequence[PolicyPart]) -> tuple[tuple[PolicyPart, ...], tuple[PolicyPart, ...]]:
     """Return the behaviours among the parts of a sum, which one controller does together, and the other policies."""
     is_behaviour = [part.kind is not None and part.kind.is_behaviour for part in parts]
     together = tuple(part for part, flag in zip(parts, is_behaviour, strict=True) if flag)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import groupby, takewhile
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +16,12 @@ import numpy.typing as npt
 from mimoc.base.errors import RecordingError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.regular_files import UnusableFileError, parse_json
-from mimoc.recording.movement_columns import Samples
 from mimoc.runtime.sense import Observation
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
+
+if TYPE_CHECKING:  # Reading a recording must not load what movement columns need of an infant.
+    from mimoc.recording.movement_columns import Samples
 
 Array = npt.NDArray[Any]
 SPARSE_FROM = 1024
@@ -141,7 +143,7 @@ class Block:
 
 NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
 WORD = re.compile(r"\w{1,100}")
-MOST = 5_000_000  # Names of all numbers of an observation; the densest skins have a tenth.
+MAX_LAYOUT = 5_000_000  # Names of all numbers of an observation; the densest skins have a tenth.
 LONG = 100  # Layouts of fewer names are written out.
 
 
@@ -161,7 +163,7 @@ def expand_names(layout: Sequence[Any]) -> tuple[str, ...]:
     """Return the names of a layout as it stands in files."""
     runs = [item for item in layout if not isinstance(item, str)]
     numbered = sum(max(0, run["to"] + 1 - run["from"]) * len(run["ends"]) for run in runs)
-    if len(layout) - len(runs) + numbered > MOST:
+    if len(layout) - len(runs) + numbered > MAX_LAYOUT:
         raise ValueError("a layout of more numbers than any infant has")
     return tuple(name for item in layout for name in ([item] if isinstance(item, str) else _names(item)))
 
@@ -181,8 +183,8 @@ def _names(run: Mapping[str, Any]) -> list[str]:
 
 KEY = b"mimoc"  # Key of the description in the schema's metadata.
 OBSERVATION = "observation."  # What the names of the columns of observations begin with.
-MOST_NUMBERS = 2**26  # Of one array of an observation; pictures have the most.
-MOST_NAME = 200  # Characters of the name of an observation, which is part of the names of files.
+MAX_NUMBERS = 2**26  # Of one array of an observation; pictures have the most.
+MAX_NAME = 200  # Characters of the name of an observation, which is part of the names of files.
 ACTION = "action"
 MOVEMENT, MOVEMENT_NAMES = "movement", "movement_names"  # Movement columns of numbers, and of texts.
 _Whole = Literal["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"]
@@ -270,13 +272,13 @@ def _movement(name: str, column: _Column | None) -> tuple[str, ...]:
 
 
 def _reading(column_name: str, column: _Column) -> Reading:
-    place, name = f"columns.{column_name!r:.{MOST_NAME}}", column_name.removeprefix(OBSERVATION)
+    place, name = f"columns.{column_name!r:.{MAX_NAME}}", column_name.removeprefix(OBSERVATION)
     if not isinstance(column, _Observation) or name == column_name:
         raise UnusableFileError(f"{place}: it is not a column that mimoc describes")
-    if not 0 < len(name) < MOST_NAME or not name.isprintable() or "/" in name:
+    if not 0 < len(name) < MAX_NAME or not name.isprintable() or "/" in name:
         raise UnusableFileError(f"{place}: it is not the name of an observation")
     shape = column.shape
-    if math.prod(shape) > MOST_NUMBERS or max(shape, default=0) > MOST_NUMBERS:
+    if math.prod(shape) > MAX_NUMBERS or max(shape, default=0) > MAX_NUMBERS:
         raise UnusableFileError(f"{place}.shape: more numbers than any infant observes")
     if column.kind == "picture" and not (column.dtype == "uint8" and len(shape) == 3 and shape[2] == 3 and all(shape)):
         raise UnusableFileError(f"{place}.shape: it is not that of a picture")

@@ -17,7 +17,7 @@ from mimoc.schema.entries import ControlStep, Count, Digest, Number, Size
 
 RECORDING = "recording.json"
 FORMAT: Literal[1] = 1
-MOST_BYTES = 2**29  # Of a description or a sidecar, which has all states of an episode; 512 MB.
+MAX_BYTES = 2**29  # Of a description or a sidecar, which has all states of an episode; 512 MB.
 UNFINISHED = "unfinished"  # How an episode ended that is still being recorded, or was when its process was killed.
 
 Data = TypeVar("Data", bound=Model)
@@ -188,7 +188,7 @@ def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
 def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
     """Return the content of a JSON file of a recording, or raise a RecordingError if it is missing or damaged."""
     try:
-        data = read_json_file(path, kind, MOST_BYTES, below=below)
+        data = read_json_file(path, kind, MAX_BYTES, below=below)
     except UnusableFileError as error:
         raise RecordingError(f"{path}: {error}") from None
     if data is None:

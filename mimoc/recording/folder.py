@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from mimoc.base.errors import MimocError, OutputError, RecordingError
+from mimoc.base.quantity import Quantity
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, read_regular_file, regular_files
 from mimoc.bundle.world import WorldBundle
 from mimoc.recording.description import FORMAT, RECORDING, Description, Mark, RecordedInfant, description_in
-from mimoc.recording.movement_column import Column
 from mimoc.version import __version__
 
 EPISODES, BUNDLES = "episodes", "bundles"
@@ -278,10 +278,10 @@ def lock_folder(folder: Path, busy: MimocError) -> int:
 
 DICTIONARY = "columns.csv"
 HEADINGS = ("name", "unit", "about", "frame", "source")
-MOST_BYTES = 2**23  # Of a dictionary; an infant with five fingers and muscles has 0.2 MB.
+MAX_BYTES = 2**23  # Of a dictionary; an infant with five fingers and muscles has 0.2 MB.
 
 
-def write_dictionary(folder: Path, columns: Iterable[Column]) -> None:
+def write_dictionary(folder: Path, columns: Iterable[Quantity]) -> None:
     """Write what columns are beside what the folder's dictionary says of others, or raise an OutputError."""
     entries = read_dictionary(folder) | {
         column.name: {heading: str(getattr(column, heading)) for heading in HEADINGS} for column in columns
@@ -293,7 +293,7 @@ def read_dictionary(folder: Path) -> dict[str, Mapping[str, str]]:
     """Return what the dictionary of a recording says of each column, by name; nothing if there is none."""
     path = folder / DICTIONARY
     try:
-        content = read_regular_file(path, MOST_BYTES, below=folder)
+        content = read_regular_file(path, MAX_BYTES, below=folder)
         rows = [*csv.DictReader(io.StringIO((content or b"").decode()), strict=True)]
     except UnusableFileError as error:
         raise RecordingError(f"{path}: {error}") from None

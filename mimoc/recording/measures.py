@@ -12,15 +12,15 @@ from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError, UnknownNameError
 from mimoc.base.kinds import function_of
 from mimoc.base.quantities import QUANTITIES
-from mimoc.base.quantities.quantity import Quantity
+from mimoc.base.quantity import Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.recording.description import RECORDING
 from mimoc.recording.movement_groups import APART
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
-from mimoc.runtime.quantities.measuring import REDUCERS, Outcome, Value, reduced
+from mimoc.runtime.quantities import REDUCERS, EpisodeResult, Value, reduced
 
 Progress = Callable[[int, int], None]
-MOST = 10_000  # Recordings in one folder.
+MAX_RECORDINGS = 10_000  # Recordings in one folder.
 
 
 def measurable() -> dict[str, Quantity]:
@@ -84,9 +84,13 @@ def recordings_in(folder: Path) -> list[Path]:
         raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
     if (folder / RECORDING).is_file():
         return [folder]
-    marks = [*islice(folder.rglob(RECORDING), MOST + 1)]
-    if not marks or len(marks) > MOST:
-        count = f"more than {MOST} recordings are in this folder; divide it" if marks else "there is no recording here"
+    marks = [*islice(folder.rglob(RECORDING), MAX_RECORDINGS + 1)]
+    if not marks or len(marks) > MAX_RECORDINGS:
+        count = (
+            f"more than {MAX_RECORDINGS} recordings are in this folder; divide it"
+            if marks
+            else "there is no recording here"
+        )
         raise RecordingError(f"{folder}: {count}")
     return sorted(mark.parent for mark in marks)
 
@@ -104,15 +108,15 @@ def measure_episode(episode: Episode, quantities: Mapping[str, Quantity]) -> dic
     if not episode.steps:
         return dict.fromkeys(quantities)
     success, step_s = np.flatnonzero(episode.infos.get("is_success", np.zeros(1)) == 1), ms_to_s(episode.step_ms)
-    time_s = float(success[0] + 1) * step_s if success.size else None
-    outcome = Outcome(float(np.nansum(episode.rewards)), episode.steps, bool(success.size), time_s)
+    duration_s = float(success[0] + 1 if success.size else episode.steps) * step_s
+    result = EpisodeResult(float(np.nansum(episode.rewards)), episode.steps, bool(success.size), duration_s)
     columns = {"time_s": episode.time_s, **episode.movement}
-    return {name: _value(item, episode, columns, outcome) for name, item in quantities.items()}
+    return {name: _value(item, episode, columns, result) for name, item in quantities.items()}
 
 
-def _value(item: Quantity, episode: Episode, columns: Mapping[str, Any], outcome: Outcome) -> Value:
+def _value(item: Quantity, episode: Episode, columns: Mapping[str, Any], result: EpisodeResult) -> Value:
     if item.over == "episode":
-        return reduced(item, [getattr(outcome, item.key)])
+        return reduced(item, [getattr(result, item.key)])
     if item.over == "step":
         return reduced(item, episode.measures[item.name].tolist()) if item.name in episode.measures else None
     try:

@@ -1,28 +1,63 @@
-"""Columns of where things are: keypoints, parts of the body with their velocities, and what the eyes look at."""
+"""The movement columns of an infant: where it is, how it moves, what it touches and looks at, and what drives it.
+
+A column is a `Quantity` over control steps whose name ends with its unit, such as `right_hand_speed_m_s`; its `frame`
+and `source` say all that a stranger must know to use it. See `docs/movement_data.md`.
+"""
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantity import Quantity
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.components.senses.touch.receptors import contact_forces, skin_body_of_geoms
-from mimoc.recording.movement_column import NO_COLUMNS, Column, FloatArray, Group, Values
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.term import stack_terms
 from mimoc.runtime.worlds import worlds_of_one
 from mimoc.schema.objects import ObjectEntry
 
+FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
+WORLD = "world: x and y horizontal, z up; of the last physics step that was computed"
+"""Frame and time of what follows from the positions of bodies."""
+
+
+class Values(NamedTuple):
+    """The values of some columns at some times."""
+
+    numbers: FloatArray  # Of the columns that have numbers, shape (times, columns).
+    texts: Sequence[tuple[str, ...]] = ()
+    """Of those that have names: for each time a tuple; none if there are no such columns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Columns of one infant that are read together: copied at each time, computed for many times at once."""
+
+    columns: tuple[Quantity, ...]  # Those of numbers first.
+    values: Callable[[Sequence[FloatArray], Sequence[Any]], Values]
+    """Computes them, given `fields` at all times, each with a leading axis of times, and what `moment` returned."""
+    fields: tuple[FloatArray, ...] = ()  # Arrays of `MjData` that are copied at each time.
+    moment: Callable[[], Any] | None = None  # Returns what else is kept of a time.
+
+
+NO_COLUMNS = Group((), lambda fields, moments: Values(np.empty((0, 0))))  # What an infant has none of.
+
+
+def _column(name: str, unit: str, about: str, source: str, frame: str = WORLD, *, is_text: bool = False) -> Quantity:
+    return Quantity(name, about, unit, about, steps=("record",), source=source, frame=frame, is_text=is_text)
+
+
 SCENE = "scene"  # What has no name of its own and does not move.
 
 
@@ -233,23 +268,19 @@ _RAY = "MuJoCo's mj_ray from between the cameras of the eyes"
 _SIGHT = "mean line of sight of the eyes"
 _GAZE = (
     *(
-        Column(
-            f"gaze_{axis}_m", "m", f"{axis} of where the {_SIGHT} first meets something; empty if nothing", source=_RAY
-        )
+        _column(f"gaze_{axis}_m", "m", f"{axis} of where the {_SIGHT} first meets something; empty if nothing", _RAY)
         for axis in AXES
     ),
-    Column("gaze_distance_m", "m", "distance from between the eyes to there; empty if there is nothing", source=_RAY),
+    _column("gaze_distance_m", "m", "distance from between the eyes to there; empty if there is nothing", _RAY),
     *(
-        Column(
-            f"gaze_direction_{axis}", "", f"{axis} of the unit vector along the {_SIGHT}", source="MuJoCo's cam_xmat"
-        )
+        _column(f"gaze_direction_{axis}", "", f"{axis} of the unit vector along the {_SIGHT}", "MuJoCo's cam_xmat")
         for axis in AXES
     ),
-    Column(
+    _column(
         "gaze_at",
         "",
         "what it meets: a part of the own body or of another infant, a toy, a fixed thing",
-        source=_RAY,
+        _RAY,
         is_text=True,
     ),
 )
@@ -270,20 +301,20 @@ _CENTRE = "centre of mass of the {}", "MuJoCo's xipos and cvel, weighted by mass
 _OBJECT = "centre of mass of the {}, of its outermost body", "MuJoCo's xipos and cvel"
 
 
-def _place(name: str, what: str, source: str) -> list[Column]:
+def _place(name: str, what: str, source: str) -> list[Quantity]:
     about = what.format(name.replace("_", " "))
-    return [Column(f"{name}_{axis}_m", "m", f"{axis} of the {about}", source=source) for axis in AXES]
+    return [_column(f"{name}_{axis}_m", "m", f"{axis} of the {about}", source) for axis in AXES]
 
 
-def _motion(name: str, centre: tuple[str, str] = _CENTRE) -> list[Column]:
+def _motion(name: str, centre: tuple[str, str] = _CENTRE) -> list[Quantity]:
     what, source = centre[0].format(name.replace("_", " ")), centre[1]
     return [
         *_place(name, *centre),
         *(
-            Column(f"{name}_velocity_{axis}_m_s", "m/s", f"{axis} of the velocity of the {what}", source=source)
+            _column(f"{name}_velocity_{axis}_m_s", "m/s", f"{axis} of the velocity of the {what}", source)
             for axis in AXES
         ),
-        Column(f"{name}_speed_m_s", "m/s", f"length of the velocity of the {what}", source=source),
+        _column(f"{name}_speed_m_s", "m/s", f"length of the velocity of the {what}", source),
     ]
 
 
@@ -300,13 +331,10 @@ def bind_contacts(env: Infant) -> Group:
     parts = Parts.of(env)
     touching = _Touching(parts, env.data)
     columns = [
-        *(Column(f"{part}_contact_n", "N", _SUM.format(_words(part)), source=_FORCE) for part in parts.names),
-        *(Column(f"{part}_ground_z_n", "N", _UPWARD.format(_words(part)), source=_FORCE) for part in parts.names),
-        *(Column(f"ground_reaction_{axis}_n", "N", f"{axis} of the {_GROUND}", source=_FORCE) for axis in "xyz"),
-        *(
-            Column(f"{part}_touches", "", _TOUCHED.format(_words(part)), source=_FORCE, is_text=True)
-            for part in parts.names
-        ),
+        *(_column(f"{part}_contact_n", "N", _SUM.format(_words(part)), _FORCE) for part in parts.names),
+        *(_column(f"{part}_ground_z_n", "N", _UPWARD.format(_words(part)), _FORCE) for part in parts.names),
+        *(_column(f"ground_reaction_{axis}_n", "N", f"{axis} of the {_GROUND}", _FORCE) for axis in "xyz"),
+        *(_column(f"{part}_touches", "", _TOUCHED.format(_words(part)), _FORCE, is_text=True) for part in parts.names),
     ]
     return Group(tuple(columns), touching.values, moment=touching.moment)
 
@@ -406,11 +434,11 @@ def bind_joints(env: Infant) -> Group:
 
     names = {joint: model.joint(joint).name.rpartition(":")[2] for joint in hinges}
     angles = [
-        Column(f"{names[joint]}_angle_deg", "°", f"angle of the joint {names[joint]}", _ANGLE, "MuJoCo's qpos")
+        _column(f"{names[joint]}_angle_deg", "°", f"angle of the joint {names[joint]}", "MuJoCo's qpos", _ANGLE)
         for joint in hinges
     ]
     torques = [
-        Column(f"{names[joint]}_torque_nm", "N m", f"{_TORQUE} {names[joint]}", _JOINT, "MuJoCo's qfrc_actuator")
+        _column(f"{names[joint]}_torque_nm", "N m", f"{_TORQUE} {names[joint]}", "MuJoCo's qfrc_actuator", _JOINT)
         for joint in moved
     ]
     return Group((*angles, *torques), values, (env.data.qpos, env.data.qfrc_actuator))
@@ -427,12 +455,12 @@ def bind_actuators(env: Infant) -> Group:
     names = [env.model.actuator(index).name.rpartition(":")[2] for index in actuation.actuators]
 
     columns = [
-        Column(
+        _column(
             f"{name}_{actuation.drive_name}",
             "",
             f"{actuation.drive_name} of the muscle or motor {name}, as a share of the largest",
-            "at time_s",
             "the actuation model",
+            "at time_s",
         )
         for name in names
     ]
@@ -445,3 +473,15 @@ def bind_actuators(env: Infant) -> Group:
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
+
+
+BIND: Mapping[str, Callable[[Infant], Group]] = {
+    "keypoints": bind_keypoints,
+    "parts": bind_parts,
+    "objects": bind_objects,
+    "gaze": bind_gaze,
+    "contacts": bind_contacts,
+    "joints": bind_joints,
+    "actuators": bind_actuators,
+}
+"""What looks up in an infant's model what the columns of a group read, by the group's name in `MOVEMENT_GROUPS`."""

@@ -11,16 +11,16 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.quantity import Quantity
 from mimoc.bundle.model import physics_of
 from mimoc.recording import tables
 from mimoc.recording.columns import Block, Described, reading_of
 from mimoc.recording.description import to_plain
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
-from mimoc.recording.movement_column import Column
-from mimoc.recording.movement_columns import GROUPS, MovementReader
+from mimoc.recording.movement_columns import MovementReader
 from mimoc.recording.video import PICTURES_SUFFIX, write_pictures
 from mimoc.runtime.infant import Infant, Observer
-from mimoc.runtime.quantities.measuring import StepMeasures
+from mimoc.runtime.quantities import StepMeasures
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import INFANTS, Simulation
 
@@ -156,7 +156,7 @@ class RecordingObserver(Observer):
         part_rows: int,
         states_every: int,
         about: Mapping[str, Any],
-        movement: Sequence[str] = tuple(GROUPS),
+        movement: Sequence[str],
     ):
         self.infant, self._shared, self._writer, self._stem_of = infant, shared, writer, stem_of
         self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
@@ -172,7 +172,7 @@ class RecordingObserver(Observer):
         return self._episode is not None
 
     @property
-    def movement_columns(self) -> tuple[Column, ...]:
+    def movement_columns(self) -> tuple[Quantity, ...]:
         """The movement columns that are kept."""
         return self._movement.columns
 

@@ -24,7 +24,7 @@ from mimoc.render.body_camera import BodyCamera, company, view_of_scene
 from mimoc.render.camera import FROM_THE_SIDE, Shot, shows
 from mimoc.render.picture_files import in_rows, rows_of
 from mimoc.render.renderer import Picture, Shown, average_down
-from mimoc.runtime.batch.vector_env import infants_of
+from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import Observation
 

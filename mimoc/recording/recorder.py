@@ -17,19 +17,19 @@ from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 from mimoc.base.errors import RecordingError
 from mimoc.bundle import files
 from mimoc.recording.folder import EPISODES, open_folder, versions, write_dictionary
-from mimoc.recording.movement_columns import GROUPS, bind_group, checked_groups
+from mimoc.recording.movement_columns import checked_groups
+from mimoc.recording.movement_groups import BIND
 from mimoc.recording.observer import RecordedSimulation, RecordingObserver, Writer, spaces_of
 from mimoc.recording.video import require_av
-from mimoc.runtime.batch.gymnasium_forms import InfantVectorEnv, options_of, reset_indices, seeds_of
-from mimoc.runtime.batch.vector_env import BatchEnv, infants_of
-from mimoc.runtime.growing import AGE
-from mimoc.runtime.infant import NO_OBSERVER, Infant, Observer
-from mimoc.runtime.sense import Observation
-from mimoc.runtime.senses import CustomSense
+from mimoc.runtime.batch_env import BatchEnv, infants_of
+from mimoc.runtime.gymnasium_forms import InfantVectorEnv, options_of, reset_indices, seeds_of
+from mimoc.runtime.infant import AGE, NO_OBSERVER, Infant, Observer
+from mimoc.runtime.sense import CustomSense, Observation
 from mimoc.runtime.task import CustomTask
+from mimoc.schema.kinds import MOVEMENT_GROUPS
 
 PART_ROWS = 1000  # Control steps in a part of an episode: what a kill can lose.
-LEAST_ROWS = 16
+MIN_ROWS = 16
 STATES_EVERY = 1000  # Control steps from one complete state to the next.
 MOVEMENT_BYTES = 2**13  # Of what movement columns need of a row: 4 to 10 kB.
 ROOM_BYTES = 2**28  # Memory for what is not yet written of all infants together.
@@ -45,7 +45,7 @@ class Recording(AbstractContextManager):
         *,
         states_every: int = STATES_EVERY,
         part_rows: int = PART_ROWS,
-        movement: Sequence[str] = tuple(GROUPS),
+        movement: Sequence[str] = tuple(MOVEMENT_GROUPS),
         note: str | None = None,
     ):
         """Begin to record; see `Recorder`; *note* says why this cannot be replayed, if it cannot."""
@@ -122,7 +122,7 @@ class Recording(AbstractContextManager):
             row_bytes = MOVEMENT_BYTES + sum(
                 math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values()
             )
-            rows = min(part_rows, max(LEAST_ROWS, ROOM_BYTES // (len(self._infants) * row_bytes)))
+            rows = min(part_rows, max(MIN_ROWS, ROOM_BYTES // (len(self._infants) * row_bytes)))
             stem_of, one = partial(folder.stem, number), shared[id(infant.simulation)]
             infant.observer = RecordingObserver(
                 infant, one, self._writer, stem_of, rows, states_every, said, self._movement
@@ -194,7 +194,7 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
     *,
     states_every: int = STATES_EVERY,
     part_rows: int = PART_ROWS,
-    movement: Sequence[str] = tuple(GROUPS),
+    movement: Sequence[str] = tuple(MOVEMENT_GROUPS),
 ) -> Any:
     """Record every episode of an environment from now on, and return it in a wrapper that ends this when it is closed.
 
@@ -281,11 +281,16 @@ class DeviceRecorder(Closing, VectorWrapper):
     """A vector environment on a device whose infants' episodes are recorded, from their first reset on."""
 
     def __init__(
-        self, env: Any, folder: str | Path, *, part_rows: int = PART_ROWS, movement: Sequence[str] = tuple(GROUPS)
+        self,
+        env: Any,
+        folder: str | Path,
+        *,
+        part_rows: int = PART_ROWS,
+        movement: Sequence[str] = tuple(MOVEMENT_GROUPS),
     ):
         self._device_env: Any = env.unwrapped
         first = self._device_env.infants[0]
-        groups = [name for name in checked_groups(movement) if bind_group(name, first).moment is None]
+        groups = [name for name in checked_groups(movement) if BIND[name](first).moment is None]
         self._infants = [DeviceInfant(self._device_env, world) for world in range(self._device_env.num_envs)]
         infants: Any = self._infants
         super().__init__(env, Recording(infants, folder, part_rows=part_rows, movement=groups, note=NOTE))

@@ -26,9 +26,9 @@ from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.recording.record import Watch
 from mimoc.recording.video import decoded
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, SEED
-from mimoc.runtime.infant import NO_OBSERVER, Infant, Observer
-from mimoc.runtime.opening.environments import open_bundle
+from mimoc.runtime.growing import SEED
+from mimoc.runtime.infant import AGE, NO_OBSERVER, Infant, Observer
+from mimoc.runtime.opening import open_bundle
 from mimoc.runtime.sense import Observation
 from mimoc.runtime.simulation import INFANTS, Simulation
 from mimoc.runtime.world_env import WorldEnv
@@ -106,7 +106,7 @@ def _frames(episode: Episode, reading: Reading) -> Iterator[Any]:
 
 
 ROWS = 250  # Rows that are compared at once.
-_SHOWN = 300  # Most characters of an error about what is in a file.
+_MAX_SHOWN = 300  # Most characters of an error about what is in a file.
 Open = Callable[[Bundle | WorldBundle, bool], Any]
 """Opens the environment of a bundle, or the world; the flag says whether it needs scenes of other seeds, too."""
 ALONE = ""  # Name of an infant that is alone in its simulation.
@@ -400,7 +400,7 @@ def _damage_message(episode: Episode) -> Iterator[None]:
 def _in_a_line(error: Exception) -> str:
     """Return the beginning of what an error says, which may be of a stranger's array, in one line."""
     text = " ".join(str(error).split())
-    return "".join(character for character in text[:_SHOWN] if character.isprintable())
+    return "".join(character for character in text[:_MAX_SHOWN] if character.isprintable())
 
 
 def _other_scene(episode: Episode, seed: int) -> bool:
@@ -473,7 +473,7 @@ def replay_recording(
     def open_env(bundle: Bundle | WorldBundle, other_scenes: bool) -> Any:
         objects: Any = deepcopy({"senses": dict(senses), "companions": dict(companions)})
         if isinstance(bundle, WorldBundle):
-            from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants, plan_of_bundle
+            from mimoc.compiler.variants import WorldBundleVariants, WorldVariants, plan_of_bundle
 
             variants = WorldVariants(plan_of_bundle(bundle)) if other_scenes else WorldBundleVariants(bundle)
             return WorldEnv(bundle, variants=variants, tasks=deepcopy(task or {}), **objects)

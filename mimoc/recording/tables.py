@@ -14,7 +14,6 @@ from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording.columns import ACTION, KEY, MOVEMENT, MOVEMENT_NAMES, OBSERVATION, Array, Block, Described, Reading
 from mimoc.recording.folder import opened
-from mimoc.recording.movement_columns import values_of
 
 try:
     import pyarrow
@@ -35,9 +34,9 @@ OPTIONAL = ("info.", "term.", MEASURE)
 NAMES = pa.dictionary(pa.int32(), pa.string())
 """Type of the texts of movement columns, of which few rows differ: those of a row, separated by `BETWEEN`."""
 BETWEEN = "\t"
-MOST_NAMES = 100_000
+MAX_NAMES = 100_000
 """Characters of the names of one row: fifty parts of a body that touch twenty things each have 20,000."""
-_SHOWN = 60  # Most characters of a name or type in an error.
+_MAX_SHOWN = 60  # Most characters of a name or type in an error.
 
 
 def check_schema(schema: Any, described: Described) -> None:
@@ -111,7 +110,7 @@ def check_rows(table: Any, described: Described, first_step: int) -> None:
 
 def _is_row_of_names(row: str, described: Described) -> bool:
     texts = row.split(BETWEEN)
-    return len(row) <= MOST_NAMES and len(texts) == len(described.movement_names) and all(map(str.isprintable, texts))
+    return len(row) <= MAX_NAMES and len(texts) == len(described.movement_names) and all(map(str.isprintable, texts))
 
 
 def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
@@ -132,12 +131,12 @@ def _has_nulls(array: Any) -> bool:
 
 def _shown(text: object) -> str:
     """Return the beginning of a stranger's text in quotes, with what cannot be printed escaped."""
-    return f"{str(text)[:_SHOWN]!r}"
+    return f"{str(text)[:_MAX_SHOWN]!r}"
 
 
-SMALL_BYTES, MOST_RATIO = 2**29, 100  # What a file may hold however small it is, and how many times its size.
-MOST_DENSE_RATIO = 2**10  # The same of arrays with all the zeros that a sparse column leaves out.
-MOST_BYTES = 2**40  # Of a file.
+SMALL_BYTES, MAX_RATIO = 2**29, 100  # What a file may hold however small it is, and how many times its size.
+MAX_DENSE_RATIO = 2**10  # The same of arrays with all the zeros that a sparse column leaves out.
+MAX_BYTES = 2**40  # Of a file.
 LEVEL = -4  # Of zstd: a third faster than 1, for files that are a tenth larger.
 SPLIT = ("float", "double")  # Types whose bytes are compressed apart: floats of one quantity share signs and exponents.
 
@@ -169,11 +168,13 @@ def write_block(path: Path, block: Block, described: Described) -> None:
 def _movement(block: Block, kinds: Mapping[str, Any]) -> dict[str, Any]:
     columns: dict[str, Any] = {}
     if block.movement:
-        numbers, texts = values_of(block.movement)
+        values = [samples.values() for samples in block.movement]
         if MOVEMENT in kinds:
+            numbers = np.concatenate([item.numbers for item in values])
             columns[MOVEMENT] = _fixed(numbers.astype(np.float32), kinds[MOVEMENT])
         if MOVEMENT_NAMES in kinds:
-            columns[MOVEMENT_NAMES] = pa.array(map(BETWEEN.join, texts), kinds[MOVEMENT_NAMES])
+            texts = [BETWEEN.join(row) for item in values for row in item.texts]
+            columns[MOVEMENT_NAMES] = pa.array(texts, kinds[MOVEMENT_NAMES])
     return columns
 
 
@@ -284,7 +285,7 @@ def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    with opened(path, MOST_BYTES, *DAMAGED) as file, pq.ParquetFile(file) as parquet:
+    with opened(path, MAX_BYTES, *DAMAGED) as file, pq.ParquetFile(file) as parquet:
         yield parquet
 
 
@@ -296,11 +297,11 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
         groups = [file.metadata.row_group(index) for index in range(file.metadata.num_row_groups)]
         packed = [group.column(index) for group in groups for index in range(group.num_columns)]
         numbers = sum(max(column.num_values, column.total_uncompressed_size // 8) for column in packed)
-        _check_packed(numbers, MOST_RATIO * size)
+        _check_packed(numbers, MAX_RATIO * size)
         table = file.read(use_threads=False)  # Threads of PyArrow can outlive Python, which ends in an abort.
         check_rows(table, described, first_step)
         dense = max((reading.size for reading in described.readings if reading.kind == "sparse"), default=0)
-        _check_packed(dense * len(table), MOST_DENSE_RATIO * size)
+        _check_packed(dense * len(table), MAX_DENSE_RATIO * size)
         return table
 
 

@@ -31,7 +31,7 @@ QUALITY = {"crf": "20"}  # Constant quality of H.264, with hardly visible losses
 SMALL = {"crf": "26", "preset": "veryfast", "bf": "0"}
 """Settings of H.264 for what eyes saw: small, and pictures stand in the order in which they are shown."""
 CONTAINER, LOSSLESS = "matroska", "ffv1"  # Names of container and codec of the pictures of a recording.
-LEAST_PX = 4  # Of each side of a picture that FFV1 can cut into slices, as it does by itself.
+MIN_PX = 4  # Of each side of a picture that FFV1 can cut into slices, as it does by itself.
 SETTINGS = {"level": "3", "coder": "1", "context": "1", "g": "50"}
 """Of FFV1: range coder, large context, and what it has learned of the pictures is kept for that many of them, which are
 decoded to reach the last one. The eyes of an infant that moves take 6.6 % of the raw size, where pictures coded one by
@@ -141,7 +141,7 @@ class Lossless(_Encoded):
         super().__init__(file, rate_hz, CONTAINER, LOSSLESS, "bgr0", options=SETTINGS)
 
     def _write(self, picture: Picture) -> None:
-        if min(picture.shape[:2]) < LEAST_PX:
+        if min(picture.shape[:2]) < MIN_PX:
             self._stream.codec_context.options = {**SETTINGS, "slices": "1"}
         super()._write(picture)
 
@@ -209,9 +209,9 @@ def require_av() -> Any:
 
 
 PICTURES_SUFFIX = ".mkv"
-SMALL_BYTES, MOST_RATIO = 2**28, 1000
+SMALL_BYTES, MAX_RATIO = 2**28, 1000
 """What pictures may take however small their file is, and how many times its size."""
-MOST_BYTES = 2**29  # Of a video, besides twice its pictures.
+MAX_BYTES = 2**29  # Of a video, besides twice its pictures.
 
 
 def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
@@ -231,7 +231,7 @@ def read_pictures(paths: Sequence[Path], count: int, shape: Sequence[int]) -> Pi
     for path in paths:
         wanted = count - len(pictures)
         raw_bytes = math.prod(shape) * wanted if is_regular_file(path) else 0
-        if raw_bytes > SMALL_BYTES and raw_bytes > MOST_RATIO * path.stat().st_size:
+        if raw_bytes > SMALL_BYTES and raw_bytes > MAX_RATIO * path.stat().st_size:
             raise RecordingError(f"{path}: the file is damaged: it cannot hold {wanted} such pictures")
         pictures += decoded(path, shape, wanted)
     if len(pictures) < count:
@@ -247,7 +247,7 @@ def decoded(path: Path, shape: Sequence[int], most: int) -> Iterator[Picture]:
     The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open. A file
     that is far too large for so many pictures is not searched for them.
     """
-    av, most_bytes = require_av(), MOST_BYTES + 2 * math.prod(shape) * most
+    av, most_bytes = require_av(), MAX_BYTES + 2 * math.prod(shape) * most
     # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.
     damage = av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError
     with opened(path, most_bytes, *damage) as file, av.open(file, format=CONTAINER) as container:

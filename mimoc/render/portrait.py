@@ -212,16 +212,16 @@ def lineup(
     They face the same way on a plain floor, whatever their scenes are, from the left; markers are drawn where they
     would be if each were alone. Raises what `portrait` does.
     """
-    model, data, roots, moves = row_of(bundles, pose)
+    row = row_of(bundles, pose)
     drawn = None
     if markers is not None:
-        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, moves, strict=True))
+        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, row.moves, strict=True))
     azimuth, _ = FROM_THE_FRONT
-    steepest = min(view_of_body(FROM_THE_FRONT, data, root)[1] for root in roots)
+    steepest = min(view_of_body(FROM_THE_FRONT, row.data, root)[1] for root in row.roots)
     view = framing.view((azimuth, steepest), azimuth)
     style = _Style((width, height), shown, framing, ROW_FOVY_DEG, ROW)
-    with closing(style.open(model, roots, view)) as camera:
-        return style.draw(camera, data, roots, drawn)
+    with closing(style.open(row.data.model, row.roots, view)) as camera:
+        return style.draw(camera, row.data, row.roots, drawn)
 
 
 def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
@@ -262,8 +262,8 @@ FLOOR = """
 """
 """What is around a row: the floor of `scene: {kind: flat}`, as in `templates/scene.xml.j2`, and a sky.
 
-Their light and colours are those of pictures (`soft_light.py`, `backdrop.py`). Rooms and cribs are too small for a row,
-and their toys would be in its way.
+Their light and colours are those of pictures (`soft_light.py`, `body_camera.py`). Rooms and cribs are too small for a
+row, and their toys would be in its way.
 """
 
 
@@ -286,28 +286,34 @@ class Move:
         return turned
 
 
-def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
-    """Return infants side by side along y on a floor, all facing +x; UnknownNameError if a bundle has no such pose.
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Infants side by side along y on a floor, all facing +x, from the left."""
 
-    These are a model of all and its state; the names of their root bodies, from the left; and what takes each infant,
-    and what belongs to it, from its own scene to its place.
-    """
-    posed = [load_in_pose(bundle, pose) for bundle in bundles]
+    data: mujoco.MjData  # The state of the model of all.
+    roots: list[str]  # Names of their root bodies.
+    moves: list[Move]  # What takes each infant, and what belongs to it, from its own scene to its place.
+
+
+def row_of(bundles: Sequence[Bundle], pose: str | None) -> Row:
+    """Return infants in a row, each in a pose; UnknownNameError if a bundle has no such pose."""
+    states = [load_in_pose(bundle, pose)[1] for bundle in bundles]
     model, prefixes = _model_of(bundles)
-    data = mujoco.MjData(model)
-    moves, end_m = [], 0.0
-    for bundle, alone, prefix in zip(bundles, posed, prefixes, strict=True):
-        move, width_m = _to_place(*alone, bundle.manifest.root_body, end_m)
-        _take_pose(data, prefix, alone, move)
-        moves.append(move)
-        end_m += width_m + GAP_M
-    mujoco.mj_forward(model, data)
-    roots = [prefix + bundle.manifest.root_body for prefix, bundle in zip(prefixes, bundles, strict=True)]
-    return model, data, roots, moves
+    row, left_m = Row(mujoco.MjData(model), [], []), 0.0
+    for bundle, alone, prefix in zip(bundles, states, prefixes, strict=True):
+        root = bundle.manifest.root_body
+        move, width_m = _to_place(alone, root, left_m)
+        _take_pose(row.data, prefix, alone, move)
+        row.moves.append(move)
+        row.roots.append(prefix + root)
+        left_m += width_m + GAP_M
+    mujoco.mj_forward(model, row.data)
+    return row
 
 
-def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, float]:
+def _to_place(data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, float]:
     """Return what takes an infant from where its scene has it to where its least y is *left_m*, and its width."""
+    model = data.model
     front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
     turn = Move(float(np.radians(FROM_THE_FRONT[0] - front_deg)), np.zeros(3))
     geoms = in_subtrees(model, [model.body(root).id])[model.geom_bodyid]
@@ -320,17 +326,16 @@ def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: flo
     return Move(turn.turn_rad, np.array([-x_m, left_m - low_m, 0.0])), high_m - low_m
 
 
-def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mujoco.MjData], move: Move) -> None:
+def _take_pose(row: mujoco.MjData, prefix: str, alone: mujoco.MjData, move: Move) -> None:
     """Give an infant in a row the pose that it has alone; the toys of its scene are not there."""
-    alone, state = posed
-    for number in range(alone.njnt):
-        joint = alone.joint(number)
-        if mujoco.mj_name2id(data.model, mujoco.mjtObj.mjOBJ_JOINT, prefix + joint.name) < 0:
+    for number in range(alone.model.njnt):
+        joint = alone.model.joint(number)
+        if mujoco.mj_name2id(row.model, mujoco.mjtObj.mjOBJ_JOINT, prefix + joint.name) < 0:
             continue
-        qpos = state.joint(number).qpos.copy()
+        qpos = alone.joint(number).qpos.copy()
         if joint.type == mujoco.mjtJoint.mjJNT_FREE:
             qpos = np.concatenate([move.points_m(qpos[:3]), move.quaternion(qpos[3:])])
-        data.joint(prefix + joint.name).qpos[:] = qpos
+        row.joint(prefix + joint.name).qpos[:] = qpos
 
 
 def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
@@ -379,7 +384,7 @@ def _renamed(skin: bytes, prefix: str) -> bytes:
 
 
 ALL = "all"
-LARGEST = 400  # How many pictures a sheet may have.
+MAX_PICTURES = 400  # How many pictures a sheet may have.
 
 
 def read_poses(text: str, manifest: Manifest) -> list[str]:
@@ -394,8 +399,8 @@ def read_poses(text: str, manifest: Manifest) -> list[str]:
 
 def check_count(ages: int, poses: int) -> None:
     """Raise a MimocError if a sheet would have too many pictures."""
-    if ages * poses > LARGEST:
-        raise MimocError(f"{ages} ages in {poses} poses are {ages * poses} pictures; ask for at most {LARGEST}")
+    if ages * poses > MAX_PICTURES:
+        raise MimocError(f"{ages} ages in {poses} poses are {ages * poses} pictures; ask for at most {MAX_PICTURES}")
 
 
 def age_label(age_months: float) -> str:

@@ -67,7 +67,6 @@ class Actuation:
 
     @cached_property
     def _alone(self) -> "Actuation":
-        """The same with its terms stacked, for one infant."""
         command = self.command and stack_terms([self.command])
         return replace(self, effort=stack_terms([self.effort]), command=command)
 
@@ -102,7 +101,7 @@ class Effort(Term):
     strength_nm: float  # n Σ T, or 1 if that is zero.
 
     def __call__(self, worlds: Worlds) -> Any:
-        """Return what they cost now."""
+        """Return E now."""
         return worlds.xp.vecdot((self.used(worlds) / self.full) ** 2, self.torques_nm) / self.strength_nm
 
 

@@ -21,9 +21,8 @@ from mimoc.runtime.sense import IntArray
 from mimoc.schema.actuation import ActuationEntry
 
 OF_BIAS, OF_HINGE = 3, 2  # Number of parameters that tone changes.
-MOST = 2.0
-FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"
-"""Arrays of the model that arousal changes: of motors, and of hinges with muscles."""
+MAX_AROUSAL = 2.0
+FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"  # Fields of the model that arousal changes.
 
 
 Tone = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
@@ -39,7 +38,6 @@ class ToneInModels:
         of_motors, of_hinges = (np.stack(tone) for tone in zip(*tones, strict=True))
         motors, hinges = (np.flatnonzero(tone.any(axis=(0, 2))) for tone in (of_motors, of_hinges))
         self.fields = (*(FIELDS[:1] if len(motors) else ()), *(FIELDS[1:] if len(hinges) else ()))
-        """Names of the fields that it changes."""
         self._of_motors, self._of_hinges = put(of_motors[:, motors]), put(of_hinges[:, hinges])
         self._motors, self._hinges, self._angles = put(motors), put(hinges), put(angles[hinges])
         self._bias, self._stiffness, self._rest_rad = fields
@@ -47,7 +45,7 @@ class ToneInModels:
         self._as_built += [self._stiffness[:, self._hinges], self._rest_rad[:, self._angles]]
 
     def write(self, more: Any) -> None:
-        """Let infants have so much more arousal than they are built for, shape (k,)."""
+        """Write the models for arousal that differs from that as built by *more*, shape (k,)."""
         bias, stiffness, rest_rad = self._as_built
         if len(self._motors):
             self._bias[:, self._motors, :OF_BIAS] = bias + more[:, None, None] * self._of_motors
@@ -73,7 +71,6 @@ class Arousal:
     """The arousal of an infant, in its model."""
 
     def __init__(self, entry: ActuationEntry, model: mujoco.MjModel):
-        """Find the actuators of *entry* with muscle tone in *model*, in which no episode has changed anything yet."""
         self.as_built, self._level = entry.arousal, entry.arousal
         fields = [getattr(model, name)[None] for name in FIELDS]
         self._tone = ToneInModels([tone_of(entry, model)], fields, model.jnt_qposadr)
@@ -95,7 +92,12 @@ class Arousal:
 
 
 def checked_arousal(level: Any) -> float:
-    """Return an arousal."""
-    if isinstance(level, bool) or not isinstance(level, Real) or not 0 <= float(level) <= MOST or math.isnan(level):
-        raise ValueError(f"expected an arousal from 0 to {MOST:g}, got {level!r}")
+    """Return an arousal, or raise a ValueError if it is none."""
+    if (
+        isinstance(level, bool)
+        or not isinstance(level, Real)
+        or not 0 <= float(level) <= MAX_AROUSAL
+        or math.isnan(level)
+    ):
+        raise ValueError(f"expected an arousal from 0 to {MAX_AROUSAL:g}, got {level!r}")
     return float(level)

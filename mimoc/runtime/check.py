@@ -11,13 +11,12 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.bundle.world import WorldBundle, load_world_model
-from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.model_fields import Constraints
 from mimoc.runtime.sense import FloatArray
 
 CHECKED_S = 1.0
 SWITCHING_S = (0.05, 0.1)  # Range of the time after which alternating commands switch direction.
-MAX_ENERGY_J_PER_KG = 20.0
-"""Limit of the kinetic energy: flailing limbs stay far below it (measured: at most 9), unstable simulations do not."""
+MAX_ENERGY_J_PER_KG = 20.0  # Kinetic; flailing limbs stay below 9 (measured), unstable simulations do not.
 MAX_BEYOND_DEG = 60.0
 """Limit of the violation of a joint range; limits are as soft as MIMo's, whose thumbs exceed theirs by up to 40
 degrees."""
@@ -82,15 +81,11 @@ def alternating_commands(model: mujoco.MjModel, generator: np.random.Generator, 
 COMMANDS: Mapping[str, Callable[[mujoco.MjModel, np.random.Generator, float], Iterator[FloatArray]]] = {
     "random": random_commands,
     "alternating": alternating_commands,
-}
-"""Kinds of commands: functions of the model, a random generator and the control step, by name."""
+}  # By name, from model, generator and control step [s].
 
 
 def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, root: str) -> Flailing:
-    """Run a one-second trial, with one command per control step, and return its result.
-
-    It ends with the control step in which MuJoCo warns: a body that has exploded takes long to simulate.
-    """
+    """Simulate one second with one command per control step; stop after the control step in which MuJoCo warns."""
     model = data.model
     hinges = np.flatnonzero(model.jnt_limited & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE))
     addresses, (low, high) = model.jnt_qposadr[hinges], model.jnt_range[hinges].T

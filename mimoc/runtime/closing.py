@@ -1,4 +1,4 @@
-"""Environments that say so when they are used after they were closed."""
+"""Environments that refuse calls after they were closed."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -30,8 +30,6 @@ def closable(*stays: str) -> Callable[[Environment], Environment]:
 
 
 def _while_open(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method that is only to be called while its environment is open."""
-
     @wraps(method)
     def checked(self: Any, *arguments: Any, **keywords: Any) -> Any:
         if self.closed:
@@ -42,8 +40,6 @@ def _while_open(method: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _once(close: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method `close` that does nothing once it has been successful."""
-
     @wraps(close)
     def close_once(self: Any, *arguments: Any, **keywords: Any) -> None:
         if not self.closed:

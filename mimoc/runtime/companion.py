@@ -10,24 +10,19 @@ control step is cut at every physics step; without any, nothing is done.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.bundle.model import physics_of
 from mimoc.runtime.model_fields import ModelField
 from mimoc.runtime.noise import NoiseStreams
-from mimoc.runtime.sense import Sense
+from mimoc.runtime.sense import NOTHING, FloatArray, Sense
 from mimoc.runtime.sound import Sound, SoundSources, Voice
 from mimoc.schema.kinds import COMPANIONS, OBJECTS
-
-FloatArray = npt.NDArray[np.float64]
-NOTHING: FloatArray = np.zeros(0)
 
 
 class Companion:
@@ -86,15 +81,15 @@ class Companion:
         self.orders = [*self.orders, dict(order)]
 
     def listen_to(self, sources: SoundSources, voice: Voice | None = None, others: Sequence[Voice] = ()) -> None:
-        """Hear these sources from now on, which include itself, the infant's voice, and those of others."""
+        """Hear these sources from now on, which include itself, besides the infant's voice and those of others."""
         return
 
     def listen_to_infants(self, voices: Mapping[str, tuple[SoundSources, Voice | None]]) -> None:
-        """Hear each of several infants, by name, from now on: what lets its companions sound, and its voice."""
+        """Hear several infants from now on: by name, the sounds of its companions, and its voice."""
         return
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
-        """Return what it has let sound and can still be heard: nothing, or what ended within `SILENT_AFTER_MS`."""
+        """Return its sounds that last or ended within `SILENT_AFTER_MS`."""
         return ()
 
     @property
@@ -114,7 +109,7 @@ class Companions(Mapping[str, Companion]):
         self,
         companions: Mapping[str, Companion],
         streams: NoiseStreams,
-        of_senses: Mapping[str, Companion] = MappingProxyType({}),
+        of_senses: Mapping[str, Companion] = NOTHING,
         custom: Collection[str] = (),
     ):
         """Keep companions that are bound to the infant's model, and draw from the streams of its environment.
@@ -122,11 +117,9 @@ class Companions(Mapping[str, Companion]):
         Those of senses, by the name of the sense, see each physics step after all others; they are part of the infant.
         """
         self._companions, self._streams = dict(companions), streams
-        self.custom = frozenset(custom)
-        """Names of those that a script has passed and the bundle alone does not give."""
+        self.custom = frozenset(custom)  # Names of those that a script has passed and the bundle alone does not give.
         self._all = {**companions, **{f"senses.{name}": companion for name, companion in of_senses.items()}}
-        self.before: FloatArray = NOTHING
-        """MuJoCo's state from which the last physics step was made, shape (n,); n is 0 before the first."""
+        self.before: FloatArray = np.zeros(0)  # MuJoCo's state before the last physics step, shape (n,), or (0,).
 
     def __getitem__(self, name: str) -> Companion:
         return self._companions[name]
@@ -138,7 +131,6 @@ class Companions(Mapping[str, Companion]):
         return len(self._companions)
 
     def __bool__(self) -> bool:
-        """Return whether physics steps must be seen one by one."""
         return bool(self._all)
 
     @property
@@ -147,10 +139,10 @@ class Companions(Mapping[str, Companion]):
         return [field for companion in self._companions.values() for field in companion.model_fields]
 
     def reset(self, data: mujoco.MjData) -> None:
-        """Start an episode of all of them, in which their streams begin again if the environment's have."""
+        """Start an episode of all of them; their streams restart if those of the environment have."""
         for name in self._companions:
             _ = self._streams[channel_of(name)]
-        self.before = NOTHING
+        self.before = np.zeros(0)
         for companion in self._all.values():
             companion.reset(data)
 
@@ -167,7 +159,7 @@ class Companions(Mapping[str, Companion]):
             companion.after_step(data)
 
     def sounds(self, data: mujoco.MjData) -> list[Sound]:
-        """Return what they have let sound and can still be heard."""
+        """Return their sounds that can still be heard."""
         return [sound for companion in self._companions.values() for sound in companion.sounds(data)]
 
     @property
@@ -182,19 +174,18 @@ class Companions(Mapping[str, Companion]):
 
 
 class SoundsOf:
-    """What the companions of several infants let sound."""
+    """The sounds of the companions of several infants."""
 
     def __init__(self, sources: Sequence[SoundSources]):
-        """Join these sources."""
         self._sources = sources
 
     def sounds(self, data: mujoco.MjData) -> list[Sound]:
-        """Return what can still be heard of all."""
+        """Return the sounds of all that can still be heard."""
         return [sound for source in self._sources for sound in source.sounds(data)]
 
 
 def channel_of(name: str) -> str:
-    """Return the channel of an environment's random numbers that a companion draws from."""
+    """Return the name of the random stream of a companion."""
     return f"companion.{name}"
 
 
@@ -203,7 +194,7 @@ def bind_companions(
     bundle: Any,
     streams: NoiseStreams,
     custom: Mapping[str, Companion],
-    senses: Mapping[str, Sense] = MappingProxyType({}),
+    senses: Mapping[str, Sense] = NOTHING,
     voice: Voice | None = None,
     world: Any = None,
 ) -> Companions:
@@ -238,7 +229,7 @@ def bind_companions(
 
 
 def hear_each_other(infants: Mapping[str, Any]) -> None:
-    """Let several infants of a world, by name, hear each other and all companions, and a caregiver hear all of them."""
+    """Let the infants of a world hear each other and all companions, and a caregiver hear all infants."""
     everywhere = SoundsOf([infant.companions for infant in infants.values()])
     for name, infant in infants.items():
         others = [other.voice for key, other in infants.items() if key != name and other.voice]

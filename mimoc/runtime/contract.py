@@ -15,20 +15,10 @@ from gymnasium import Space
 from gymnasium.spaces import Box
 
 from mimoc.base.errors import KindError, MissingExtraError
-from mimoc.runtime.sense import Sense, Vector
 from mimoc.runtime.term import Put, Term, is_amount, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_many, worlds_of_one
 
-KINDS = {"f": "real", "i": "whole", "u": "whole", "b": "truth"}
-"""Types of arrays, by NumPy's letter, that are cast without a word."""
-
-
-def check_sense(name: str, sense: Sense, sample: Any) -> None:
-    """Check a first sample of a sense, with what its organ and its noise make of it, and what is observed of that."""
-    what = f"sense '{name}' ({sense.class_name})"
-    if isinstance(sense, Vector):
-        check_numbers(f"{what}: its sample", sample, (len(sense.layout),), np.float64)
-    check_observation(what, sense.observe(sample), sense.spaces)
+KINDS = {"f": "real", "i": "whole", "u": "whole", "b": "truth"}  # Types that are cast, by NumPy's letter.
 
 
 def check_observation(what: str, observed: Any, spaces: Mapping[str, Space[Any]]) -> None:
@@ -52,7 +42,7 @@ def check_rows(what: str, given: Any, infants: int) -> None:
 
 
 def check_numbers(what: str, given: Any, shape: tuple[int, ...], dtype: Any, *, exactly: bool = False) -> None:
-    """Check that something is an array of a shape, and of a type, or unless *exactly* of another precision of it."""
+    """Check the shape and type of an array: exactly this type, or any precision of the same kind."""
     dtype, expected = np.dtype(dtype), f"expected an array of {np.dtype(dtype)}, shape {shape}"
     try:
         array = np.asarray(given)
@@ -66,7 +56,7 @@ def check_numbers(what: str, given: Any, shape: tuple[int, ...], dtype: Any, *, 
 
 
 def told(value: Any) -> str:
-    """Return in a few words what a value is, for an error."""
+    """Describe a value in a few words, for an error."""
     if isinstance(value, (np.ndarray, np.generic)):
         return f"an array of {value.dtype}, shape {value.shape}"
     return f"{value!r:.60}"
@@ -151,7 +141,6 @@ def _check_torch(terms: list[Term], datas: list[mujoco.MjData], args: Any, expec
 
 
 def _call(terms: list[Term], worlds: Worlds, args: Any, library: str, put: Put) -> dict[str, Any]:
-    """Return the arrays that the term of some infants gives, by name."""
     try:
         return dict(_arrays(RESULT, stack_terms(terms, put)(worlds, *args)))
     except Exception as error:
@@ -179,7 +168,6 @@ def _stacked_worlds(datas: list[mujoco.MjData]) -> Worlds:
 def _worlds_in(
     xp: Any, datas: list[mujoco.MjData], put: Put, numbers: Callable[[Any], np.ndarray] = np.asarray
 ) -> Worlds:
-    """Return the worlds of some states in an array library; *numbers* returns what was put there."""
     worlds = _stacked_worlds(datas)
     return Worlds(
         xp,
@@ -190,7 +178,7 @@ def _worlds_in(
 
 
 def _varied(term: Any, index: int) -> Any:
-    """Return a term with other amounts, as another infant has them: those of infant i are i % larger."""
+    """Return a term whose amounts are *index* percent larger, as another infant has them."""
     if isinstance(term, tuple):
         items: tuple[Any, ...] = term
         return tuple(_varied(item, index) for item in items)
@@ -200,7 +188,6 @@ def _varied(term: Any, index: int) -> Any:
 
 
 def _mapped(values: Any, function: Callable[[Any], Any]) -> Any:
-    """Return a nest of tuples and dictionaries with a function of each of its values."""
     if isinstance(values, tuple):
         items: tuple[Any, ...] = values
         return tuple(_mapped(value, function) for value in items)
@@ -211,7 +198,7 @@ def _mapped(values: Any, function: Callable[[Any], Any]) -> Any:
 
 
 def _arrays(name: str, result: Any) -> list[tuple[str, Any]]:
-    """Return the arrays in what a term returned, by name; what computes them when called is called."""
+    """Return the arrays in the result of a term by name; a function in it is called."""
     parts: dict[str, Any] = {}
     if isinstance(result, Mapping):
         parts = dict(result)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Literal
 
 import gymnasium
@@ -16,12 +15,12 @@ from mimoc.bundle.variants import Variant, Variants, open_variant
 from mimoc.render.environment import MODES, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
-from mimoc.runtime.growing import AGE, SEED
-from mimoc.runtime.infant import PHYSICS, Custom, Infant
+from mimoc.runtime.growing import SEED
+from mimoc.runtime.gymnasium_forms import limited_spec
+from mimoc.runtime.infant import AGE, PHYSICS, Custom, Infant
 from mimoc.runtime.noise import NoiseStreams
-from mimoc.runtime.sense import Observation
+from mimoc.runtime.sense import NOTHING, Observation
 from mimoc.runtime.simulation import BEFORE, INFANTS, Pictures, Simulation
-from mimoc.runtime.spaces import limited_spec
 
 
 @closable()
@@ -48,8 +47,8 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         height: int = 480,
         variants: Variants | None = None,
         task: Any = None,
-        senses: Mapping[str, Any] = MappingProxyType({}),
-        companions: Mapping[str, Any] = MappingProxyType({}),
+        senses: Mapping[str, Any] = NOTHING,
+        companions: Mapping[str, Any] = NOTHING,
     ):
         """Open a bundle.
 
@@ -60,7 +59,7 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             height: Height of the images, in pixels.
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
             task: Object that replaces the bundle's task; see `mimoc.runtime.task`.
-            senses: Objects that are added to the bundle's senses, by name; see `mimoc.runtime.senses`.
+            senses: Objects that are added to the bundle's senses, by name; see `mimoc.runtime.sense`.
             companions: Objects that act in its world as well, by name; see `mimoc.Companion`.
 
         Raises:
@@ -109,7 +108,7 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Let the infant have another age from now on, in the midst of its episode; return the observation.
 
         It stays where it is and moves on as it moved: joint angles are kept as far as its joints reach now, and so are
-        velocities, what lies around it, its task, signals on their way, its expression and all chance. Size, strength,
+        velocities, objects around it, its task, signals on their way, its expression and random state. Size, strength,
         joints, delays, acuity, skin and face are those of its new age. It is lifted out of what it would sink into.
 
         Args:
@@ -172,17 +171,14 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.simulation.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Support copying and pickling: leave out everything that is bound to this environment's model."""
         kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
         return {**kept, "kept": self.simulation.kept()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        """Bind the copy to its own model and restore the state of the original."""
         simulation = kept.pop("kept")
         self.__dict__.update(kept)
         self.noise = NoiseStreams(self.np_random_seed)
         self.simulation = Simulation.again(simulation, {"": self})
 
 
-BOUND = {"simulation", "bundle", "binding", "_judged", "noise", "observer", "closed"}
-"""Attributes that are not copied but bound anew."""
+BOUND = {"simulation", "bundle", "binding", "_judged", "noise", "observer", "closed"}  # Not copied but bound anew.

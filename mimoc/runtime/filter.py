@@ -15,11 +15,11 @@ device:
             return sample - usual, usual
 
 Its state lasts from sample to sample, is in the state of an environment, and is kept when an infant grows. Samples may
-be any time apart: a filter knows how long ago the last one was. Those of mimoc are exact for an input that changes
+be any time apart, which a filter is given. Those of mimoc are exact for an input that changes
 linearly from one sample to the next (a first-order hold), so that they add no delay of their own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -32,7 +32,7 @@ from mimoc.runtime.term import Term
 FloatArray = npt.NDArray[np.float64]
 
 INSTANT_S = 1e-9  # Least time between samples.
-MOST_INTERVALS = 64  # Between samples, for which filters remember what they do.
+MAX_INTERVALS = 64  # Between samples, for which filters remember what they do.
 SLOW_S = 1.0  # From this time constant on, a lag has seen nothing yet when an episode begins; others have settled.
 
 
@@ -41,7 +41,7 @@ class Filter(Term):
     """A base for filters."""
 
     def size(self, count: int) -> int:
-        """Return how many numbers of state samples of *count* numbers have."""
+        """Return the size of the state for samples of *count* numbers."""
         return count
 
     def __call__(self, xp: Any, elapsed_s: float, sample: Any, state: Any) -> tuple[Any, Any]:
@@ -54,6 +54,19 @@ class Filter(Term):
             state: Shape (k, size(n)), or None at the start of an episode.
         """
         raise NotImplementedError
+
+    @cached_property
+    def _of_intervals(self) -> dict[float, Any]:
+        return {}  # No field, so that infants never share it.
+
+    def of_interval(self, xp: Any, interval_s: float, work_out: Callable[[Any, float], Any]) -> Any:
+        """Return `work_out(xp, interval_s)`, which is remembered, as most samples are equally far apart."""
+        known = self._of_intervals
+        if interval_s not in known:
+            if len(known) == MAX_INTERVALS:
+                known.clear()
+            known[interval_s] = work_out(xp, interval_s)
+        return known[interval_s]
 
 
 def held(xp: Any, elapsed_s: float, time_constants_s: Any) -> tuple[Any, Any]:
@@ -74,36 +87,21 @@ class Lags(Filter):
     samples alone: of few calls of NumPy, as a single infant pays for each.
     """
 
-    direct: FloatArray
-    """What passes at once, d, shape (1,)."""
-    weights: FloatArray
-    """w, shape (p,)."""
-    time_constants_s: FloatArray
-    """T, shape (p,); they differ."""
-    identity: FloatArray
-    """The identity matrix of the n numbers of a sample, shape (n, n)."""
-    first: int = 0
-    """The first number of a sample that is filtered; those before it stay as they are."""
-
-    @cached_property
-    def matrices(self) -> dict[float, Any]:
-        """The matrix of each interval so far; no field, so that infants never share it."""
-        return {}
+    direct: FloatArray  # What passes at once, d, shape (1,).
+    weights: FloatArray  # w, shape (p,).
+    time_constants_s: FloatArray  # T, shape (p,); they differ.
+    identity: FloatArray  # The identity matrix of the n numbers of a sample, shape (n, n).
+    first: int = 0  # The first number of a sample that is filtered; those before it stay as they are.
 
     def size(self, count: int) -> int:
-        """Return how many numbers of state there are: each lag of all numbers, then their inputs; see `Filter`."""
+        """Return the size of the state: each lag of all numbers, then their inputs."""
         return (count - self.first) * (self.weights.shape[-1] + 1)
 
     def __call__(self, xp: Any, elapsed_s: float, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the response, shape (k, n), and the lags and inputs; see `Filter`."""
         if state is None:
             return self._begun(xp, sample)
-        interval_s, count = round(elapsed_s, 9), sample.shape[1]
-        matrix = self.matrices.get(interval_s)
-        if matrix is None:
-            if len(self.matrices) == MOST_INTERVALS:
-                self.matrices.clear()
-            matrix = self.matrices[interval_s] = self._matrix(xp, interval_s)
+        matrix, count = self.of_interval(xp, round(elapsed_s, 9), self._matrix), sample.shape[1]
         changed = xp.matmul(matrix, xp.concat([state, sample], axis=1)[:, :, None])
         return changed[:, :count, 0], changed[:, count:, 0]
 

@@ -1,4 +1,4 @@
-"""An infant that gets another age while it lives: what of its present it takes along."""
+"""Infants at other ages and in other scenes: options of resets, and what is carried over in the midst of episodes."""
 
 import copy
 from collections.abc import Mapping, Sequence
@@ -15,9 +15,9 @@ from mimoc.base.rounding import rounded
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import STATE, TOUCH_M, physics_of, pose_of
 from mimoc.bundle.variants import Variant
-from mimoc.bundle.world import manifests_of as manifests_of, take_pose
+from mimoc.bundle.world import manifests_of, take_pose
 from mimoc.runtime.arousal import checked_arousal
-from mimoc.runtime.infant import AGE as AGE, Binding, Infant
+from mimoc.runtime.infant import AGE, Binding, Infant
 from mimoc.runtime.model_fields import WORLD
 from mimoc.runtime.objects import Objects, Pose
 from mimoc.runtime.sense import FloatArray, IntArray
@@ -28,14 +28,14 @@ SEED, POSE, AROUSAL, OBJECTS = "scene_seed", "pose", "arousal", "objects"  # Opt
 
 
 def options_given(options: Any) -> dict[str, Any]:
-    """Return the options of a reset, none for None; raise a TypeError if they are no dictionary."""
+    """Return the options of a reset as a dictionary, or raise a TypeError."""
     if options is not None and not isinstance(options, Mapping):
         raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
     return dict(options or {})
 
 
 def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, Any]:
-    """Return the options of a reset for an infant, none for None, or raise an error that names the option."""
+    """Return the options of a reset for an infant, or raise an error that names the wrong one."""
     options, is_alone, objects = options_given(options), not infant.name, infant.manifest.objects
     known = [POSE, AROUSAL, *([AGE] if variants else []), *([OBJECTS] if objects else [])]
     known += [SEED] if is_alone and variants and variants.has_other_scenes else []
@@ -52,7 +52,7 @@ def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, An
 def find_start(
     options: Mapping[str, Mapping[str, Any]], variant: Variant, infants: Mapping[str, Infant], *, is_new: bool
 ) -> tuple[dict[str, str], dict[str, Pose]]:
-    """Return the keyframes whose poses infants start in, by name, and the poses of objects that the options move."""
+    """Return the keyframes of poses by infant, and the poses of objects that the options move."""
     manifests = manifests_of(variant.bundle)
     poses = {
         name: _keyframe_of(manifest, options[name].get(POSE))
@@ -72,7 +72,7 @@ def find_start(
 
 
 def put(poses: Mapping[str, str], variant: Variant, data: mujoco.MjData) -> None:
-    """Put a state of a variant's model into its default keyframe, and infants into the poses of others, at rest."""
+    """Reset a state to the variant's default keyframe, and infants in it to the poses of others."""
     model, default = variant.bare, variant.bundle.manifest.pose
     mujoco.mj_resetDataKeyframe(model, data, model.key(poses.get("", default)).id)
     manifests = manifests_of(variant.bundle)
@@ -107,7 +107,7 @@ def find_variant(
 def variant_of_state(
     variants: Any, manifest: Any, ages_months: Mapping[str, float], wanted: Mapping[str, Any], seed: Any
 ) -> Variant | None:
-    """Return the infants that a state is of, or None if it is of the present ones; see `find_variant`."""
+    """Return the infants of a state, or None if they are the present ones; see `find_variant`."""
     if checked_seed(seed, SEED) != manifest.seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {seed}, but this environment has {manifest.seed} and was not made from a spec, so it"
@@ -128,7 +128,7 @@ def sees_skin(manifest: Manifest) -> bool:
 
 
 def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
-    """Raise a MimocError unless two models have the same parts, so that one can take over the state of the other."""
+    """Raise a MimocError unless two models have the same parts, so that states can be carried over."""
     if _parts(former) != _parts(model):
         raise MimocError(
             "the infant has other parts at this age, so it cannot grow in the midst of an episode; reset it with the"
@@ -136,15 +136,22 @@ def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
         )
 
 
+def check_same_space(wanted: Any, given: Any) -> None:
+    """Check that observations have kept their space."""
+    for name in sorted(wanted.keys() | given.keys()):
+        if wanted.get(name) != given.get(name):
+            raise MimocError(f"the space of the observation '{name}' changes with age or scene; it must not")
+
+
 def carry_on(former: Sequence[Binding], now: Sequence[Binding]) -> None:
-    """Let infants that have just been bound go on where they were at other ages, with the signals on their way."""
+    """Let infants that have just been bound continue from their states and signals at other ages."""
     carry_body(former, now)
     for before, after in zip(former, now, strict=True):
         after.schedule.carry_on(before.schedule, after.data)
 
 
 def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
-    """Let the bodies, the tasks and what lies around go on as in `carry_on`."""
+    """Carry over bodies, tasks and objects as `carry_on` does."""
     model, data, old = now[0].model, now[0].data, former[0]
     mujoco.mj_setState(model, data, physics_of(old.model, old.data), STATE)
     pairs = list(zip(former, now, strict=True))
@@ -181,8 +188,7 @@ def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
     return model.nq, model.nv, model.na, model.nu, model.names[begin:worlds] + model.names[bodies:end]
 
 
-LEFT_M = 1e-4
-"""Penetration that is left, so that what supports the infant goes on to do so; as in the poses of `body.poses`."""
+LEFT_M = 1e-4  # Penetration that is left, so that what supports still does; as in `body.poses`.
 ROUNDS = 40  # Most times that it is moved; some are enough.
 UPWARDS = 0.1  # Least vertical part of a contact's normal at which lifting helps.
 FARTHEST = 0.2  # What a joint turns by in one round at most, in [rad], and what moves freely moves by, in [m].
@@ -190,8 +196,7 @@ AT_LIMITS = 5  # Most times in a round that joints which reach the end of their 
 DAMPING = 1e-5  # Of contacts that contradict each other, relative to the largest.
 
 Mask = npt.NDArray[np.bool_]
-Depths = Mapping[tuple[int, int], float]
-"""The deepest penetration of each pair of bodies that touch, in [m]; the world is a body, too."""
+Depths = Mapping[tuple[int, int], float]  # Deepest penetration of each pair of bodies, [m]; the world is one.
 
 
 def resolve_penetrations(
@@ -199,8 +204,8 @@ def resolve_penetrations(
 ) -> None:
     """Lift infants by as much as each sinks into what it is on, and part them from themselves and what they touch.
 
-    Joints, and what lies around, give way by as little as needed, weighted by inertia; nothing else is pushed deeper
-    into anything than it was.
+    Joints and loose objects give way by as little as needed, weighted by inertia; nothing else is pushed deeper into
+    anything than it was.
     """
     roots = [model.body(name).id for name in root_bodies]
     heights = model.jnt_qposadr[model.body_jntadr[roots]] + 2
@@ -224,7 +229,7 @@ def resolve_penetrations(
 
 
 def depths_of(model: mujoco.MjModel, data: mujoco.MjData) -> Depths:
-    """Return how deep each pair of bodies penetrate each other in a state whose contacts have been computed."""
+    """Return the deepest penetration of each pair of bodies in a state whose contacts have been computed."""
     depths: dict[tuple[int, int], float] = {}
     pairs = model.geom_bodyid[data.contact.geom].tolist()
     for (first, second), distance in zip(pairs, data.contact.dist.tolist(), strict=True):
@@ -240,7 +245,7 @@ def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _lift_m(data: mujoco.MjData, is_infants: Mask, depths_m: FloatArray) -> float:
-    """Return how far an infant must be lifted to be out of what it is on."""
+    """Return how far an infant must be lifted out of what it is on."""
     alone = is_infants[:, 0] != is_infants[:, 1]
     upwards = data.contact.frame[:, 2] * np.where(is_infants[:, 1], 1.0, -1.0)
     sunk = alone & (upwards > UPWARDS) & (depths_m > TOUCH_M)
@@ -275,7 +280,7 @@ def _part(
 
 
 def _gap_rate(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> FloatArray:
-    """Return how the distance at a contact changes with each degree of freedom, shape (nv,)."""
+    """Return the derivative of a contact's distance by each degree of freedom, shape (nv,)."""
     contact, rates = data.contact[index], np.zeros((2, 3, model.nv))
     for rate, geom in zip(rates, contact.geom, strict=True):
         mujoco.mj_jac(model, data, rate, None, contact.pos, model.geom_bodyid[geom])

@@ -11,7 +11,8 @@ import numpy as np
 from mimoc.base.classes import described
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, OLDEST_MONTHS
+from mimoc.runtime.growing import OLDEST_MONTHS
+from mimoc.runtime.infant import AGE
 
 Course = Literal["grown", "adult", "reversed", "shuffled"]
 COURSES: Mapping[str, str] = MappingProxyType(
@@ -21,8 +22,7 @@ COURSES: Mapping[str, str] = MappingProxyType(
         "reversed": "from the oldest age to the youngest",
         "shuffled": "the same ages in random order",
     }
-)
-"""The courses that growth can take, with what each means."""
+)  # Courses that growth can take.
 
 STAGE_MONTHS = 0.25  # What an infant grows by at once: a quarter of a month moves nothing by more than a millimetre.
 
@@ -107,7 +107,7 @@ def _stages(ages_months: Sequence[float], stage_months: float) -> list[float]:
 class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
     """Lets an infant grow over its control steps, in the midst of episodes and across them.
 
-    Spaces stay as they are, and `info["age_months"]` says how old the infant is.
+    Spaces stay as they are, and `info["age_months"]` is the present age.
 
     Example:
         >>> import mimoc
@@ -177,5 +177,5 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         return stepped
 
     def seek(self, steps_done: int) -> None:
-        """Go on as after a number of control steps, as a training does that is resumed; a reset must follow."""
+        """Set the number of control steps by which the infant grows, for a resumed training; a reset must follow."""
         self.steps_done = steps_done

@@ -3,90 +3,82 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
+from gymnasium.spaces import Box, Dict
 from gymnasium.utils.seeding import np_random
 
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.state_form import check_form
-from mimoc.bundle.face import Face
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import time_of
+from mimoc.bundle.variants import Face
 from mimoc.runtime.actuation import Actuation, bind_actuation
 from mimoc.runtime.arousal import Arousal
 from mimoc.runtime.closing import closable
 from mimoc.runtime.companion import Companions, bind_companions
-from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.delays.schedule import Schedule
-from mimoc.runtime.delays.signals import timing_of
-from mimoc.runtime.expression import expression_fields, face_of, set_expression
-from mimoc.runtime.judgement import NO_REWARD, check_judgement, reward_of
-from mimoc.runtime.model_fields import ModelFields
+from mimoc.runtime.control_step import Schedule
+from mimoc.runtime.delays import timing_of
+from mimoc.runtime.model_fields import Constraints, ModelFields, expression_fields, face_of, set_expression
 from mimoc.runtime.noise import NoiseStreams
 from mimoc.runtime.objects import Objects
-from mimoc.runtime.sense import Observation, Sense, SkinState
-from mimoc.runtime.senses import bind_senses, by_name
-from mimoc.runtime.sound import Voice
-from mimoc.runtime.spaces import action_space, observation_space
-from mimoc.runtime.task import Task, bind_task
+from mimoc.runtime.sense import NOTHING, Observation, Sense, SkinState, bind_senses, by_name
+from mimoc.runtime.sound import VOICE_HIGH, VOICE_LOW, Voice
+from mimoc.runtime.task import NO_REWARD, Task, bind_task, check_judgement, reward_of
 
 
 class Observer:
-    """Is told of everything that is done to one infant; this default does nothing."""
+    """Receives every call of an infant; this default does nothing."""
 
-    keeps = False  # Whether it wants to be told of control steps, which takes time.
+    keeps = False  # Whether it receives control steps, which takes time.
 
     def resetting(self) -> None:
-        """Be told that the infant is about to be reset."""
+        """Called before a reset."""
 
     def was_reset(
         self, seed: int | None, options: Mapping[str, Any], observation: Observation, info: Mapping[str, Any]
     ) -> None:
-        """Be told that the infant was reset, and what it observes."""
+        """Called after a reset."""
 
     def stepping(self) -> None:
-        """Be told that the infant is about to make a control step."""
+        """Called before a control step."""
 
     def stepped(
         self, action: npt.NDArray[Any], observation: Observation, judged: tuple[float, bool, bool, Mapping[str, Any]]
     ) -> None:
-        """Be told of a control step: the action, and what `step` returns; arrays may be changed afterwards."""
+        """Called after a control step with what `step` returns; arrays may be changed afterwards."""
 
     def grew(self, to: float) -> None:
-        """Be told that the infant has grown to an age, in months."""
+        """Called when the infant has another age, in months."""
 
     def restored(self) -> None:
-        """Be told that a state of the infant was restored."""
+        """Called when a state was restored."""
 
     def expressed(self, expression: str) -> None:
-        """Be told of a new facial expression."""
+        """Called when the facial expression changes."""
 
     def aroused(self, level: float) -> None:
-        """Be told of another arousal within an episode."""
+        """Called when the arousal changes within an episode."""
 
 
 NO_OBSERVER = Observer()  # The observer of an infant that nobody observes.
 
 
-NOTHING: Mapping[str, Any] = MappingProxyType({})
 PHYSICS, AGE, STEPS, RANDOM = "physics", "age_months", "steps", "random"
 Judged = tuple[float, bool, bool, dict[str, Any]]  # Reward, terminated, truncated and info of a control step.
 
 
 @dataclass(frozen=True)
 class Custom:
-    """Objects of a script for one infant."""
+    """Objects that a script passes for one infant."""
 
     task: Any = None  # Replaces the bundle's task; see `mimoc.runtime.task`.
-    senses: Mapping[str, Any] = field(default_factory=dict)
-    """Are added to the bundle's senses, by name; see `mimoc.runtime.senses`."""
-    companions: Mapping[str, Any] = field(default_factory=dict)
-    """Act in its world as well, by name; see `mimoc.Companion`."""
+    senses: Mapping[str, Any] = field(default_factory=dict)  # Added to the bundle's senses, by name.
+    companions: Mapping[str, Any] = field(default_factory=dict)  # Act in its world as well, by name.
 
     @classmethod
     def checked(cls, task: Any, senses: Any, companions: Any) -> "Custom":
@@ -101,7 +93,7 @@ class Custom:
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """All that an infant has in one model; an infant that grows, or gets another scene, is bound anew."""
+    """The parts of an infant in one model; growth or another scene makes a new binding."""
 
     manifest: Manifest
     model: mujoco.MjModel
@@ -120,7 +112,7 @@ class Binding:
 
 @closable("layout", "get_state")
 class Infant:
-    """An infant in a simulation, which steps it; what can be read of it is the same whatever else is there."""
+    """An infant in a simulation, alone or with others."""
 
     closed = False
     name = ""  # Its name in a world; empty if it is alone.
@@ -143,7 +135,7 @@ class Infant:
         self.noise = NoiseStreams(seed)
 
     def draw_from(self, seed: int) -> None:
-        """Draw random numbers from this seed on."""
+        """Seed all random numbers of the infant."""
         self.random, _ = np_random(seed)
         self.noise.restart(seed)
 
@@ -152,9 +144,9 @@ class Infant:
         return self.simulation.render()
 
     def bind(self, bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData, world: Any = None) -> None:
-        """Look up in a model, in which no episode has changed anything yet, everything that the manifest names.
+        """Look up all names of the manifest in a model that no episode has changed yet.
 
-        The first of several infants gets the bundle of their *world*, for what acts on all of them.
+        The first of several infants gets the bundle of their *world*, for companions of all of them.
         """
         manifest, custom, noise = bundle.manifest, self._custom, self.noise
         actuation = bind_actuation(manifest.actuation, model)
@@ -209,7 +201,7 @@ class Infant:
 
     @property
     def companions(self) -> Companions:
-        """What else acts in its world, by name."""
+        """Other actors in its world, by name."""
         return self.binding.schedule.companions
 
     @property
@@ -227,7 +219,7 @@ class Infant:
 
     @property
     def task(self) -> Task:
-        """What starts its episodes and judges its steps."""
+        """The task that starts its episodes and judges its steps."""
         return self.binding.task
 
     @property
@@ -290,9 +282,21 @@ class Infant:
         """The action that commands nothing, shape (n,)."""
         return np.clip(0.0, self.action_space.low, self.action_space.high).astype(np.float32)
 
-    def spaces(self) -> tuple[Any, Any]:
-        """Return the spaces of its actions and of what it observes as they are at its present age."""
-        return action_space(self.actuation, self.voice is not None), observation_space(self.senses, self.task)
+    def spaces(self) -> tuple[Box, Dict]:
+        """Return the spaces of actions and observations at the present age.
+
+        An action has one command for each commanded actuator, followed by the commands of a voice.
+        """
+        actuation, low, high = self.actuation, (), ()
+        if self.voice:
+            low, high = VOICE_LOW, VOICE_HIGH
+        actions = Box(
+            np.concatenate([actuation.low, low]).astype(np.float32),
+            np.concatenate([actuation.high, high]).astype(np.float32),
+            dtype=np.float32,
+        )
+        observed = [*self.senses.values(), self.task]
+        return actions, Dict({name: space for part in observed for name, space in part.spaces.items()})
 
     # What can be done to it.
 
@@ -355,12 +359,12 @@ class Infant:
     # What its simulation does with it.
 
     def start_task(self, chance: np.random.Generator | None = None) -> None:
-        """Start its task in a state that an episode begins with; it draws from its random numbers, or from *chance*."""
+        """Start the task in a state that an episode begins with; *chance* replaces its random numbers."""
         self.steps = 0
         self.task.start(self.data, self.random if chance is None else chance)
 
     def start_signals(self) -> None:
-        """Let companions begin, and forget all signals, in a state that an episode starts from."""
+        """Reset companions and signals in a state that an episode starts from."""
         self.companions.reset(self.data)
         self.schedule.reset(self.data)
         self.task.check_observation()
@@ -370,7 +374,7 @@ class Infant:
         return {**self.binding.schedule.observe(), **self.binding.task.observe()}
 
     def judge(self, action: npt.NDArray[Any], *, unstable: bool) -> Judged:
-        """Count a control step that has been made: return reward, terminated, truncated and info."""
+        """Count a control step; return reward, terminated, truncated and info."""
         self.steps += 1
         bound = self.binding
         task, verdict, reward = bound.task, NO_REWARD, 0.0
@@ -396,7 +400,7 @@ class Infant:
 
     @property
     def state(self) -> dict[str, Any]:
-        """All that its next steps depend on but the physics; not copied."""
+        """Its state without the physics; not copied."""
         bound = self.binding
         companions = {"companions": self.companions.state} if self.companions else {}
         return {
@@ -413,7 +417,7 @@ class Infant:
 
     @contextmanager
     def checked(self, state: Any, valid: Mapping[str, Any]) -> Iterator[None]:
-        """Restore a state within that can be that of this infant, the physics included; *valid* is one that is."""
+        """Check a state, physics included, against a valid one, and turn errors of restoring it into a ValueError."""
         try:
             signals = {name: valid["signals"][name] for name in ("noise", "motor_noise")}
             noise = {"seed": valid["noise"]["seed"]}
@@ -425,13 +429,13 @@ class Infant:
             raise ValueError(f"this state cannot be restored ({error}); give one that get_state returned") from error
 
     def restore_model(self, state: Mapping[str, Any]) -> None:
-        """Restore what a state says of the model and the task, before the physics."""
+        """Restore model and task from a state, before the physics."""
         bound = self.binding
         bound.fields.state, bound.task.state = state["model"], state["task"]
         bound.arousal.level = state["arousal"]
 
     def restore_signals(self, state: Mapping[str, Any]) -> None:
-        """Restore what a state says of signals, noise, companions and random numbers, after the physics."""
+        """Restore signals, noise, companions and random numbers from a state, after the physics."""
         self.schedule.state, self.noise.state = state["signals"], state["noise"]
         if self.companions:
             self.companions.state = state["companions"]

@@ -27,10 +27,10 @@ from mimoc.base.kinds import function_of
 from mimoc.base.random_streams import stream
 from mimoc.base.units import ms_to_s
 from mimoc.runtime.actuation import Actuation, as_slice
-from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.filter import Filter
 from mimoc.runtime.sense import FloatArray, Sample, Sense
 from mimoc.runtime.term import Term, stack_terms
+from mimoc.runtime.worlds import NUMPY
 from mimoc.schema.kinds import SENSES
 from mimoc.schema.senses import MOTOR, NoiseEntry, low_pass_key, noise_keys
 
@@ -48,12 +48,11 @@ class NoiseStreams:
         self.restart(seed)
 
     def restart(self, seed: int) -> None:
-        """Begin all streams again, at another seed."""
+        """Restart all streams from another seed."""
         self._seed = seed % SEEDS
         self._streams: dict[str, np.random.Generator] = {}
 
     def __getitem__(self, channel: str) -> np.random.Generator:
-        """Return the stream of a channel, such as `motor`."""
         if channel not in self._streams:
             begun = stream(self._seed, f"noise.{channel}")
             self._streams[channel] = self._generators.setdefault(channel, begun)
@@ -62,7 +61,7 @@ class NoiseStreams:
 
     @property
     def state(self) -> dict[str, Any]:
-        """The seed, and where each stream is."""
+        """The seed, and the state of each stream."""
         channels = {channel: generator.bit_generator.state for channel, generator in self._streams.items()}
         return {"seed": self._seed, "channels": channels}
 
@@ -75,13 +74,13 @@ class NoiseStreams:
 
 @dataclass(slots=True)  # Not frozen, which would take three times as long to make.
 class Draw:
-    """What noise is made of at one time."""
+    """The random numbers and the time of one sample."""
 
     xp: Any  # The array library.
     elapsed_s: float  # Time since the state; infinite if there is none.
     normals: Callable[..., Any]
     """From a shape, (k, ...), to random numbers with mean 0 and standard deviation 1; an array of bool of this shape as
-    second argument says which of them are needed: others may be anything then."""
+    second argument marks those that are needed: others may be anything then."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +108,10 @@ class SignalNoise:
 
     def reset(self) -> None:
         """Forget the samples taken so far."""
-        self.state: list[Any] = [-math.inf, None]
-        """When the last sample was taken [s], and the state of the noise; neither is changed in place."""
+        self.state: list[Any] = [-math.inf, None]  # Time of the last sample [s], and state of the noise.
 
     def at(self, time_s: float, sample: Sample) -> Sample:
-        """Return the sample of some time with noise, as a new array."""
+        """Return the sample of a time with noise, as a new array."""
         former_s, state = self.state
         noisy, state = self._noise(Draw(NUMPY, time_s - former_s, self._normals), sample[None], state)
         self.state = [time_s, state]
@@ -129,7 +127,7 @@ class SignalNoise:
 
 
 def noise_amount(sense: str, entry: NoiseEntry) -> float:
-    """Return how much noise a sense has, in the unit of its key; 0 if it has none, or can have none."""
+    """Return how much noise a sense has, in the unit of its key; 0 if it has none."""
     return getattr(entry, noise_keys()[sense]) if sense in noise_keys() else 0.0
 
 
@@ -148,7 +146,7 @@ class Filtered(Noise):
     noise: Noise | None
 
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
-        """Return the response with noise, and the states of the filter and of the noise, one after the other."""
+        """Return the response with noise, and the states of filter and noise, one after the other."""
         if self.noise is None:
             return self.filter(draw.xp, draw.elapsed_s, sample, state)
         size = self.filter.size(sample.shape[1])
@@ -159,13 +157,13 @@ class Filtered(Noise):
 
 
 def processing_of(name: str, sense: Sense, entry: NoiseEntry, force: bool = False) -> Noise | None:
-    """Return the filter and the noise of a sense, or None if it has neither; with *force*, its noise can be 0."""
+    """Return the filter and noise of a sense, or None if it has neither; *force* keeps noise of amount 0."""
     noise = bind_noise(name, sense, entry) if noise_amount(name, entry) or (force and name in noise_keys()) else None
     return noise if sense.filter is None else Filtered(sense.filter, noise)
 
 
 def noise_of(name: str, sense: Sense, entry: NoiseEntry, streams: NoiseStreams) -> SignalNoise | None:
-    """Return what disturbs a sense of one infant, drawn by the stream of its name, or None if nothing does."""
+    """Return the noise of a sense of one infant, drawn from the stream of its name, or None."""
     noise = processing_of(name, sense, entry)
     return SignalNoise(noise, name, streams) if noise else None
 
@@ -181,8 +179,7 @@ class LowPass:
     and its standard deviation 1 for any interval between values, so neither depends on the physics step.
     """
 
-    time_constant_s: float
-    """T."""
+    time_constant_s: float  # T.
 
     def __call__(self, values: Any, elapsed_s: float, drawn: Any) -> Any:
         """Return the values after some time, shape (k, n); those drawn if there are none before."""
@@ -201,8 +198,7 @@ class Smooth:
     and L is lower triangular with L Lᵀ = 1 - A Aᵀ.
     """
 
-    time_constant_s: float
-    """T."""
+    time_constant_s: float  # T.
 
     def __call__(self, xp: Any, values: Any, elapsed_s: float, drawn: Any) -> Any:
         """Return the values, then T times their rates after some time, shape (k, 2 n); see `LowPass`."""
@@ -238,7 +234,7 @@ class MotorNoise(Noise):
     low_pass: LowPass
 
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
-        """Return the controls that commands become, shape (k, n), and the state of the noise."""
+        """Return the controls, shape (k, n), and the state of the noise."""
         state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
         return self.in_range(draw.xp, sample) * (1 + self.share * state), state
 
@@ -269,7 +265,7 @@ class BandLimited(Noise):
 
 
 def passed(kept: Any, commands: Any, first: Any, second: Any) -> tuple[Any, Any]:
-    """Return what the first and the second of two filters give of commands, and keep of what they gave before."""
+    """Return the outputs of both filters, given their former outputs and the share *kept* of these."""
     first = kept * first + (1 - kept) * commands
     return first, kept * second + (1 - kept) * first
 
@@ -302,15 +298,13 @@ class NoisyMotors:
         actuation: Actuation,
         streams: NoiseStreams,
     ):
-        """Disturb the commands of control steps of some *physics_steps*."""
         self._noise: Noise = stack_terms([noise])
         self._streams, self._steps, self._count = streams, physics_steps, len(actuation.actuators)
         self._actuators, self._draw = as_slice(actuation.actuators), Draw(NUMPY, timestep_s, self._next)
 
     def reset(self, data: mujoco.MjData) -> None:
-        """Begin anew, with the controls of now as commands."""
-        self.commanded = data.ctrl.copy()
-        """Control of each actuator of the model without noise, shape (nu,)."""
+        """Restart, with the present controls as commands."""
+        self.commanded = data.ctrl.copy()  # Control of each actuator of the model without noise, shape (nu,).
         self._level: Any = None
         self._prepare(1)
         self._disturbed()
@@ -324,12 +318,10 @@ class NoisyMotors:
         data.ctrl[self._actuators] = self._disturbed()
 
     def _disturbed(self) -> FloatArray:
-        """Return the commands of now with noise, shape (1, n)."""
         controls, self._level = self._noise(self._draw, self.commanded[self._actuators][None], self._level)
         return controls
 
     def _prepare(self, count: int) -> None:
-        """Draw random numbers for some physics steps, shape (1, n) each."""
         self._numbers = iter(self._streams[MOTOR].standard_normal((count, 1, self._count)))
 
     def _next(self, shape: Sequence[int]) -> FloatArray:

@@ -17,8 +17,7 @@ from mimoc.schema.objects import Move, NewPlace
 
 STEP_M, DIRECTIONS = 0.01, 16  # Of the search for a free place within reach.
 
-Pose = tuple[FloatArray, Quaternion]
-"""Position, shape (3,), and orientation of an object's outermost body in the world."""
+Pose = tuple[FloatArray, Quaternion]  # Position in the world, shape (3,), and orientation.
 NOWHERE: Mapping[str, Pose] = {}  # No object is anywhere else than it was built.
 
 
@@ -26,7 +25,6 @@ class Objects:
     """The objects of a scene, bound to a model."""
 
     def __init__(self, manifest: Manifest, model: mujoco.MjModel):
-        """Find them in *model*, in which no episode has changed anything yet."""
         self._manifest, self._model = manifest, model
         self._entries = {item.name: item for item in manifest.objects}
         self._bodies = {item.name: int(model.body(item.body).id) for item in manifest.objects}
@@ -47,7 +45,7 @@ class Objects:
         return tuple(fields)
 
     def start(self, data: mujoco.MjData, poses: Mapping[str, Pose]) -> None:
-        """Put objects elsewhere in a state that is a keyframe, and all others where they were built; tie ribbons."""
+        """Move objects in a state that is a keyframe, put all others where they were built, and tie ribbons."""
         self._write(self._built)
         if not poses:
             return
@@ -61,13 +59,13 @@ class Objects:
                 self._model.tendon_range[ribbon, 1] = data.ten_length[ribbon] + self._entries[name].slack_m
 
     def stay(self, former: "Objects") -> None:
-        """Be where they are for the same infant at another age; of free ones, that is a part of the state."""
+        """Keep the places of objects that are not free from the same infant at another age."""
         self._write({name: getattr(former._model, name)[rows] for name, rows in former._rows.items()})
 
     def find_poses(
         self, start: Callable[[mujoco.MjData], None], moves: Mapping[str, Move], earlier: Mapping[str, Pose] = NOWHERE
     ) -> dict[str, Pose]:
-        """Return where objects are put that are moved, one after another; nothing changes."""
+        """Return the poses of objects that are moved one after another, without changing anything."""
         if not moves:
             return {}
         model, data = self._model, mujoco.MjData(self._model)
@@ -122,7 +120,7 @@ class Objects:
         return place_m
 
     def _within_reach(self, name: str, hand: str, data: mujoco.MjData) -> FloatArray:
-        """Return the free place on the floor nearest to a hand that it reaches; in the air for what does not lie."""
+        """Return the nearest free place on the floor within reach of a hand; in the air for what does not lie."""
         arms = {arm.end: arm for arm in self._manifest.anatomy.arms if arm.end}
         hand = hand if hand in arms else self._manifest.prefix + hand
         if hand not in arms:
@@ -147,7 +145,7 @@ class Objects:
         raise ValueError(f"object '{name}': there is no free place within reach of {hand}; give coordinates")
 
     def _touched(self, name: str, data: mujoco.MjData) -> str:
-        """Return what an object is inside of, by name; nothing if it is free."""
+        """Return the name of what an object is inside of; empty if it is free."""
         model, body = self._model, self._bodies[name]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -162,7 +160,7 @@ class Objects:
 
 
 def _length_m(model: mujoco.MjModel, root: int, end: int) -> float:
-    """Return how far an arm reaches from its root: along its bodies, and to where the geoms of the last one end."""
+    """Return an arm's reach from its root: along its bodies, to the end of the last one's geoms."""
     length_m, body = 0.0, end
     while body != root:
         length_m += float(np.linalg.norm(model.body_pos[body]))

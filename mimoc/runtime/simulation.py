@@ -21,12 +21,11 @@ from mimoc.bundle.world import WorldBundle, overlaps
 from mimoc.render.environment import EnvRenderer
 from mimoc.runtime import growing
 from mimoc.runtime.companion import hear_each_other
-from mimoc.runtime.delays.schedule import ControlStep
-from mimoc.runtime.growing import AGE, AROUSAL, SEED
-from mimoc.runtime.infant import NOTHING, PHYSICS, Binding, Infant
+from mimoc.runtime.control_step import ControlStep
+from mimoc.runtime.growing import AROUSAL, SEED
+from mimoc.runtime.infant import AGE, PHYSICS, Binding, Infant
 from mimoc.runtime.objects import NOWHERE, Pose
-from mimoc.runtime.sense import FloatArray, Observation
-from mimoc.runtime.spaces import check_same_space
+from mimoc.runtime.sense import NOTHING, FloatArray, Observation
 
 INFANTS, BEFORE = "infants", "before"
 Stepped = tuple[Observation, float, bool, bool, dict[str, Any]]
@@ -35,7 +34,7 @@ AgeSchedule = Callable[[int], float]  # From the control steps that were taken s
 
 @dataclass(frozen=True, slots=True)
 class Pictures:
-    """How a simulation shows itself."""
+    """Render mode and size of the pictures of a simulation."""
 
     mode: str | None = None
     width_px: int = 480
@@ -43,7 +42,7 @@ class Pictures:
 
 
 class Simulation:
-    """A MuJoCo model and its state, the infants bound to it, and what else acts there; it knows nothing of Gymnasium.
+    """A MuJoCo model and its state, and the infants and companions in it, independent of Gymnasium.
 
     Its infants may be of any age and get others, by `grow`, by the options of a reset, or by a schedule of growth. One
     that is alone has the empty name.
@@ -66,12 +65,10 @@ class Simulation:
         *variants* make the same infants at other ages and in other scenes; *draws* is whether anything draws them, so
         that a model needs the skins of their ages.
         """
-        self._variant, self._draws, self.variants = variant, draws, variants
-        """Make the same infants at other ages and in other scenes; None if nothing does."""
+        self._variant, self._draws, self.variants = variant, draws, variants  # The last makes other ages and scenes.
         self.infants: Mapping[str, Infant] = MappingProxyType(dict(infants))
         self.schedules: Mapping[str, AgeSchedule] = NOTHING
-        self.steps_done = 0
-        """Control steps taken so far, in all episodes, by which infants with schedules grow."""
+        self.steps_done = 0  # Control steps taken so far, in all episodes, by which infants with schedules grow.
         self._pictures = pictures or Pictures()
         for name, infant in infants.items():
             infant.name, infant.simulation, infant.render_mode = name, self, self._pictures.mode
@@ -103,7 +100,7 @@ class Simulation:
         return self.bundle.manifest.seed
 
     def grow_by(self, schedules: Mapping[str, AgeSchedule]) -> None:
-        """Let infants have the ages of schedules from now on, by the control steps of this simulation."""
+        """Let infants grow by schedules, which count the control steps of this simulation."""
         self.schedules = MappingProxyType(dict(schedules))
 
     def reset(
@@ -178,7 +175,7 @@ class Simulation:
         return {name: schedule.controls(actions[name], self.data) for name, schedule in self._schedules.items()}
 
     def grow_as_scheduled(self) -> None:
-        """Let infants have the ages that their schedules say, if these are others."""
+        """Let infants grow to the ages that their schedules give now."""
         if self.schedules and (due := self._due()):
             self.grow(due)
 
@@ -210,7 +207,7 @@ class Simulation:
         return {name: infant.observe() for name, infant in self.infants.items()}
 
     def get_state(self) -> dict[str, Any]:
-        """Return the complete state: physics, scene, and of each infant signals, noise, arousal, task, age and chance.
+        """Return the state: physics, scene, and of each infant signals, noise, arousal, task, age and random generator.
 
         It consists of arrays, lists and dictionaries that are independent of the simulation and can be pickled.
         """
@@ -263,7 +260,7 @@ class Simulation:
     # Copies and pickles.
 
     def kept(self) -> dict[str, Any]:
-        """Return what a copy is made of, besides its infants: the model as it was before any episode, and the state."""
+        """Return what a copy is made of besides its infants: the model as built, and the state."""
         return {
             "variant": self._variant.again(_model_as_built([infant.binding for infant in self.infants.values()])),
             "variants": self.variants,
@@ -275,7 +272,7 @@ class Simulation:
 
     @classmethod
     def again(cls, kept: Mapping[str, Any], infants: Mapping[str, Infant]) -> "Simulation":
-        """Return a copy with these infants, which have no binding yet, in the state of the original."""
+        """Return a copy with these unbound infants, in the state of the original."""
         simulation = cls.__new__(cls)
         simulation._variant, simulation.variants, simulation._draws = kept["variant"], kept["variants"], kept["draws"]
         simulation.infants, simulation._pictures = MappingProxyType(dict(infants)), kept["pictures"]
@@ -290,7 +287,6 @@ class Simulation:
     # Models.
 
     def _bind(self) -> None:
-        """Bind all infants to the present model, where nothing is started yet."""
         model, bundle = self.model if self._draws else self.bare, self.bundle
         self.data = mujoco.MjData(model)
         bundles = {"": bundle} if isinstance(bundle, Bundle) else bundle.infants
@@ -317,16 +313,16 @@ class Simulation:
         return growing.variant_of_state(self.variants, manifest, self.ages_months, ages_months, scene_seed)
 
     def _become(self, variant: Variant) -> None:
-        """Bind to the infants at other ages or in another scene, where nothing is started yet."""
+        """Bind to the infants of another variant, before anything is started."""
         with self._undone_on_failure():
             self._variant = variant
             self._bind()
             for infant in self.infants.values():
-                check_same_space(infant.observation_space, infant.spaces()[1])
+                growing.check_same_space(infant.observation_space, infant.spaces()[1])
 
     @contextmanager
     def _undone_on_failure(self) -> Iterator[dict[str, Any]]:
-        """Yield the state; let the infants go on in it if anything fails, be it in a sense of the caller's own."""
+        """Yield the state, and restore it if anything fails, be it in a sense of the caller's own."""
         former, state = self._variant, self.get_state()
         bindings = [infant.binding for infant in self.infants.values()]
         try:
@@ -347,7 +343,6 @@ class Simulation:
         return checked if due is None else {AGE: due, **checked}
 
     def _due(self) -> dict[str, float]:
-        """Return the ages by schedule that infants do not have yet."""
         due = {name: schedule(self.steps_done) for name, schedule in self.schedules.items()}
         return {name: age_months for name, age_months in due.items() if age_months != self.infants[name].age_months}
 
@@ -387,7 +382,6 @@ class Simulation:
         self.is_started = True
 
     def _restore(self, state: Mapping[str, Any]) -> None:
-        """Restore a state of the infants that are bound, which is not kept."""
         model, data = self.bare, self.data
         for name, infant in self.infants.items():
             infant.restore_model(state[INFANTS][name])
@@ -409,7 +403,7 @@ class Simulation:
 
 
 def _model_as_built(bindings: Sequence[Binding]) -> mujoco.MjModel:
-    """Return a copy of the model of some infants in which no episode has changed anything."""
+    """Return a copy of the model without the changes of episodes."""
     levels = [bound.arousal.level for bound in bindings]
     for bound in bindings:
         bound.arousal.level = bound.arousal.as_built
@@ -421,7 +415,7 @@ def _model_as_built(bindings: Sequence[Binding]) -> mujoco.MjModel:
 
 
 def _infants_in(state: Any, names: Sequence[str]) -> Mapping[str, Any]:
-    """Return the parts of a state that are of infants, or raise a ValueError if it is no state of these."""
+    """Return the states of the infants, or raise a ValueError if it is no state of these."""
     require(isinstance(state, Mapping) and {PHYSICS, INFANTS, SEED} <= state.keys(), "", state)
     infants = state[INFANTS]
     require(isinstance(infants, Mapping) and list(infants) == list(names), INFANTS, infants)

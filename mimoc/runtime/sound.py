@@ -29,8 +29,7 @@ class Voice:
 
     def reset(self) -> None:
         """Fall silent."""
-        self.commanded: FloatArray = np.zeros(2)
-        """Pitch and loudness."""
+        self.commanded: FloatArray = np.zeros(2)  # Pitch and loudness.
 
     @property
     def fundamental_hz(self) -> float:
@@ -39,7 +38,7 @@ class Voice:
 
     @property
     def first_hz(self) -> float:
-        """Fundamental frequency at the start of every episode, whatever was commanded in the one before."""
+        """Fundamental frequency at the start of every episode."""
         return self._fundamental_hz(0.0)
 
     def _fundamental_hz(self, pitch: float) -> float:
@@ -57,8 +56,7 @@ class Voice:
         return min(max(float(self.commanded[1]), 0.0), 1.0) * math.pow(10, self.entry.loudest_db / 20)
 
 
-SILENT_AFTER_MS = 2000.0
-"""How long after its end a sound need not be known any more: until then, delays and echoes can bring it to an ear."""
+SILENT_AFTER_MS = 2000.0  # Until then, delays and echoes can bring an ended sound to an ear.
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +74,13 @@ class Sound:
 
 
 class SoundSources(Protocol):
-    """What lets sound in a world."""
+    """A source of sounds in a world."""
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
-        """Return what has begun by now and can still be heard: what sounds, or ended within `SILENT_AFTER_MS`."""
+        """Return what has begun by now and sounds, or ended within `SILENT_AFTER_MS`."""
         ...
 
 
 def step_of(time_s: float, timestep_s: float) -> int:
-    """Return how many physics steps an episode has made at a time of its simulation (`data.time`)."""
+    """Return the number of physics steps at a time of the simulation (`data.time`)."""
     return round(time_s / timestep_s)

@@ -1,11 +1,13 @@
-"""What all tasks have in common while they run, and the task of an environment.
+"""Tasks: what starts each episode, and what is judged of each control step.
 
-That is the task of a bundle, or an object that a script passes instead, which needs no record.
+The task of an environment is that of its bundle, or an object that a script passes instead, which needs no record.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from numbers import Real
+from typing import Any, NamedTuple
 
 import gymnasium
 import mujoco
@@ -16,21 +18,129 @@ from mimoc.base.errors import KindError
 from mimoc.base.kinds import check_custom_object, function_of
 from mimoc.base.state_form import check_form
 from mimoc.bundle.io import Bundle
-from mimoc.runtime.contract import check_observation
-from mimoc.runtime.judgement import (
-    FORCES as FORCES,
-    NO_REWARD as NO_REWARD,
-    NOTHING as NOTHING,
-    Change as Change,
-    Judgement as Judgement,
-    Verdict as Verdict,
-    check_term_judgement,
-)
+from mimoc.runtime.contract import check_observation, told
 from mimoc.runtime.model_fields import ModelField, rows_by_name
-from mimoc.runtime.sense import FloatArray, IntArray, Observation
+from mimoc.runtime.sense import NOTHING, FloatArray, IntArray, Observation
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.schema.kinds import TASKS
+
+FORCES = "xfrc_applied"  # Field of the state: force and torque on each body; 0 after a reset.
+
+
+class Change(NamedTuple):
+    """New values of a field of the model, which the task's `model_fields` must declare, or forces on `forced`."""
+
+    where: Any
+    """For which of k infants the field changes, shape (k,)."""
+    values: Callable[[], Any]
+    """Returns the new values of the n declared rows, shape (k, n), or (k, n, ...) for whole rows."""
+    column: int | None = None
+    """The number of each row that changes; None for whole rows."""
+
+
+class Judgement(NamedTuple):
+    """A task's judgement of a control step: numbers of one infant, or arrays of k infants, shape (k,), from a term.
+
+    Example:
+        >>> import mimoc
+        >>> judgement = mimoc.Judgement({"height": 0.3, "effort": -0.1}, success=False)
+        >>> round(judgement.reward, 3)
+        0.2
+    """
+
+    reward_terms: Mapping[str, Any]
+    """Terms of the reward, by name; `info` has them as `reward_terms`."""
+    success: Any = False
+    """Whether the goal is reached; `info` has it as `is_success`."""
+    terminated: Any = False
+    """Whether the episode ends with this step."""
+    memory: Mapping[str, Any] = NOTHING
+    """What the task remembers from now on, shape (k, ...), without what stays as it is; only from a term."""
+    changes: Mapping[str, Change] = NOTHING
+    """What changes in the model, by name of the field; only from a term."""
+
+    @property
+    def reward(self) -> Any:
+        """Sum of the terms."""
+        return sum(self.reward_terms.values(), 0.0)
+
+    def of_one(self) -> "Judgement":
+        """Return a term's judgement of one infant in numbers."""
+        terms = {name: values.item() for name, values in self.reward_terms.items()}
+        return Judgement(terms, bool(self.success), bool(self.terminated))
+
+
+Verdict = Judgement  # Its former name, for tasks of scripts.
+NO_REWARD = Judgement({})
+EXPECTED = "expected a finite number, or a mimoc.Judgement of such by name"
+
+
+def reward_of(judgement: Judgement, task: "Task") -> float:
+    """Return the reward of one infant as a number, or raise a KindError."""
+    try:
+        reward = float(judgement.reward)
+        if math.isfinite(reward):
+            return reward
+    except (TypeError, ValueError, AttributeError):  # Text, arrays of several numbers, or no mapping at all.
+        pass
+    check_judgement(judgement, task)
+    raise KindError(f"task {task.class_name}: the terms of its reward add up to {told(judgement.reward)}; {EXPECTED}")
+
+
+def check_judgement(judgement: Judgement, task: "Task") -> None:
+    """Raise a KindError unless a judgement of one infant has the right form."""
+    if not isinstance(judgement, Judgement) or not isinstance(judgement.reward_terms, Mapping):
+        raise KindError(f"task {task.class_name}: its judgement is {told(judgement)}; {EXPECTED}")
+    for name, value in judgement.reward_terms.items():
+        if not _is_number(value) or not math.isfinite(value):
+            raise KindError(f"task {task.class_name}: the term '{name}' of its reward is {told(value)}; {EXPECTED}")
+    for name in ("success", "terminated"):
+        if not _is_number(value := getattr(judgement, name)) or value not in (0, 1):
+            raise KindError(
+                f"task {task.class_name}: '{name}' of its judgement is {told(value)}; expected True or False"
+            )
+
+
+def check_term_judgement(
+    judgement: Any, term: object, infants: int, memory: Mapping[str, Any], changeable: Collection[str]
+) -> None:
+    """Raise a KindError unless a term's judgement has the right shapes; no value is read, so that no device waits."""
+    what = f"the term {class_name(term)}"
+    if not isinstance(judgement, Judgement) or not isinstance(judgement.reward_terms, Mapping):
+        raise KindError(f"{what}: its judgement is {told(judgement)}; expected a mimoc.Judgement")
+    rows = {f"the term '{name}' of its reward": value for name, value in judgement.reward_terms.items()}
+    rows |= {f"'{name}' of its changes: where": change.where for name, change in judgement.changes.items()}
+    for name in ("success", "terminated"):
+        if not isinstance(value := getattr(judgement, name), bool):
+            rows[f"'{name}' of its judgement"] = value
+    for of, values in rows.items():
+        if _shape(values) != (infants,):
+            raise KindError(f"{what}: {of} is {told(values)}; expected an array of shape ({infants},), one an infant")
+    for name, values in judgement.memory.items():
+        if name not in memory:
+            known = ", ".join(memory) or "nothing"
+            raise KindError(f"{what}: '{name}' of its memory is not what its task remembers: {known}")
+        if _shape(values) != _shape(memory[name]):
+            expected = f"expected an array of shape {_shape(memory[name])}, as before"
+            raise KindError(f"{what}: '{name}' of its memory is {told(values)}; {expected}")
+    for name in judgement.changes:
+        if name not in changeable:
+            raise KindError(f"{what}: changes '{name}', which the model_fields of its task do not declare")
+
+
+def _shape(value: Any) -> tuple[int, ...] | None:
+    return tuple(value.shape) if hasattr(value, "shape") else None
+
+
+def _is_number(value: Any) -> bool:
+    """Return whether something is a real number, or an array of one without axes."""
+    if isinstance(value, (Real, np.bool_)):
+        return True
+    try:
+        return _shape(value) == () and math.isfinite(value)
+    except (TypeError, ValueError):
+        return False
 
 
 class Task:
@@ -100,7 +210,6 @@ class Task:
         self.remember(**memory)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Support copying and pickling: leave out what is bound to the data of an environment."""
         return {name: value for name, value in self.__dict__.items() if name not in ("_bound", "_checked_term")}
 
     def bind(self, model: mujoco.MjModel, bundle: Any) -> None:
@@ -144,11 +253,11 @@ class Task:
         """
 
     def observe(self) -> Observation:
-        """Return what it adds to the observation, as fresh arrays within `spaces`."""
+        """Return its part of the observation, as fresh arrays within `spaces`."""
         return {name: np.array(self._rows[name][0], space.dtype) for name, space in self.spaces.items()}
 
     def check_observation(self) -> None:
-        """Check what it observes when its first episode starts."""
+        """Check the observation when the first episode starts."""
         if not self._is_observed:
             try:
                 observed = self.observe()
@@ -203,12 +312,12 @@ class Task:
         self.remember(**{name: state[name] for name in self._rows})
 
     def remember(self, **values: Any) -> None:
-        """Remember other values of an infant from now on, by name; they keep their types."""
+        """Set what is remembered, by name; values keep their types."""
         types = {name: rows.dtype for name, rows in self._rows.items()}
         self._rows = {**self._rows, **{name: np.array([value], types.get(name)) for name, value in values.items()}}
 
     def term_of_one(self, data: mujoco.MjData) -> tuple[Any, Worlds]:
-        """Return the term as it runs on one infant, with its world, for `start` to compute as `judge` does."""
+        """Return the term for one infant, and its world, for `start` to compute as `judge` does."""
         assert self.term is not None
         if self._bound is None or self._bound[0] is not self.term or self._bound[1] is not data:
             self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
@@ -231,14 +340,14 @@ class SquaredCommands(Term):
     high: FloatArray  # Largest command of each actuator, shape (n,).
 
     def __call__(self, worlds: Worlds, action: Any) -> Any:
-        """Return the sum of each infant for actions of shape (k, n)."""
+        """Return the sums for actions of shape (k, n)."""
         of_actuators = action[:, : self.low.shape[-1]]
         commands = worlds.xp.minimum(worlds.xp.maximum(of_actuators, self.low), self.high)
         return worlds.xp.sum(commands * commands, axis=-1)
 
 
 def bind_task(bundle: Bundle, model: mujoco.MjModel, custom: Any = None) -> Task:
-    """Return the task of a bundle, or an object that replaces it, with its names looked up in *model*."""
+    """Return the task of a bundle, or the object that replaces it, bound to *model*."""
     if custom is not None:
         return CustomTask(custom, model, bundle)
     entry = bundle.manifest.task
@@ -256,7 +365,6 @@ class CustomTask(Task):
     """
 
     def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
-        """Bind the object to a model."""
         check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)

@@ -86,13 +86,13 @@ T = TypeVar("T", bound=Term)
 
 
 def stack_terms(terms: Sequence[T], put: Put = np.asarray) -> T:
-    """Return the term of k infants: amounts become rows, *put* where it runs; all else is that of the first."""
+    """Return the term of k infants: amounts become rows, converted by *put*; all else is that of the first."""
     first = terms[0]
     return replace(first, **{name: _stacked(values, put) for name, values in _fields(terms).items()})
 
 
 def take_rows(term: T, rows: Any) -> T:
-    """Return a stacked term of NumPy's of some of its infants, by their rows."""
+    """Return a stacked term of NumPy's for some of its infants, by row."""
 
     def taken(value: Any) -> Any:
         if isinstance(value, Term):
@@ -105,7 +105,7 @@ def take_rows(term: T, rows: Any) -> T:
 
 
 def differing_field(terms: Sequence[Term]) -> str | None:
-    """Return a field for which terms cannot be stacked, as it is an address that is not equal; None if they can be."""
+    """Return a field in which terms differ although they must share it; None if they can be stacked."""
     if len({type(term) for term in terms}) > 1:
         return "kind"
     for name, values in _fields(terms).items():
@@ -140,6 +140,6 @@ def _stacked(values: Sequence[Any], put: Put) -> Any:
 
 
 def is_amount(value: Any) -> bool:
-    """Return whether a field says how much, and differs between infants; those of bool and text do not."""
+    """Return whether a field is an amount, which differs between infants."""
     dtype: Any = getattr(value, "dtype", None)
     return isinstance(value, float) or (dtype is not None and dtype.kind == "f")

@@ -1,7 +1,6 @@
 """A world with several infants, each with its own senses, delays, commands, task and age: one model, one physics."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, Literal
 
 import mujoco
@@ -13,18 +12,16 @@ from mimoc.base.random_streams import checked_seed
 from mimoc.base.state_form import checked_list, require
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.variants import WorldMaker, WorldVariant
-from mimoc.bundle.world import WorldBundle, load_world_model
+from mimoc.bundle.world import WorldBundle, load_world_model, manifests_of
 from mimoc.render.environment import available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.growing import OBJECTS, SEED
 from mimoc.runtime.infant import Custom, Infant
-from mimoc.runtime.sense import Observation
-from mimoc.runtime.senses import by_name
+from mimoc.runtime.sense import NOTHING, Observation, by_name
 from mimoc.runtime.simulation import AgeSchedule, Pictures, Simulation
 from mimoc.schema.objects import checked_moves, names_of
 
-NOTHING: Mapping[str, Any] = MappingProxyType({})
 Observations = dict[str, Observation]
 Infos = dict[str, dict[str, Any]]
 Stepped = tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], Infos]
@@ -63,7 +60,7 @@ class WorldEnv:
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
             tasks: By infant, an object that replaces its task; see `mimoc.runtime.task`.
-            senses: By infant, objects that are added to its senses, by name; see `mimoc.runtime.senses`.
+            senses: By infant, objects that are added to its senses, by name; see `mimoc.runtime.sense`.
             companions: By infant, objects that act in the world as well, by name; see `mimoc.Companion`.
             variants: Makes the same infants at other ages and in other scenes, for `grow` and `reset`.
 
@@ -87,7 +84,7 @@ class WorldEnv:
             for name in names
         }
         draws = bool(render_mode) or any(custom.is_any for custom in self._custom.values())
-        draws = draws or any(map(growing.sees_skin, growing.manifests_of(variant.bundle).values()))
+        draws = draws or any(map(growing.sees_skin, manifests_of(variant.bundle).values()))
         infants = {name: Infant(custom) for name, custom in self._custom.items()}
         pictures, self.render_mode = Pictures(render_mode, width, height), render_mode
         self.simulation = Simulation(variant, infants, variants, pictures, draws=draws)
@@ -262,13 +259,11 @@ class WorldEnv:
         self.simulation.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Support copying and pickling: leave out what is bound to this environment's model."""
         kept = {name: value for name, value in self.__dict__.items() if name not in ("simulation", "closed")}
         spaces = {name: (infant.action_space, infant.observation_space) for name, infant in self.infants.items()}
         return {**kept, "spaces": spaces, "kept": self.simulation.kept()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        """Bind the copy to its own model and restore the state of the original."""
         simulation, spaces = kept.pop("kept"), kept.pop("spaces")
         self.__dict__.update(kept)
         infants = {name: Infant(custom) for name, custom in self._custom.items()}

@@ -6,28 +6,85 @@ Every field of MuJoCo's `MjData` whose size never changes is an array with a lea
     worlds.xpos     (k, nbody, 3)      many:        copies, stacked when a field is first asked for
     worlds.xmat     (k, nbody, 3, 3)   a device:    torch's views of MuJoCo Warp's data
 
-and `worlds.xp` is the array library these belong to, by the Python array API standard.
+and `worlds.xp` is the array library these belong to, by the Python array API standard. On the CPU that is `NUMPY`:
+NumPy with the names of the standard that version 1.26 lacks, and shorter ways for single infants. `numpy.take(a, i)`
+passes a dispatcher that costs more than the reading itself for arrays as small as an infant's; `a.take(i)` does not.
 """
 
 from collections.abc import Callable, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from mimoc.runtime.array_library import NUMPY
+NEW_NAMES = {
+    "acos": "arccos",
+    "asin": "arcsin",
+    "atan": "arctan",
+    "atan2": "arctan2",
+    "concat": "concatenate",
+    "permute_dims": "transpose",
+    "pow": "power",
+}  # The standard's names, with those of NumPy before version 2.
 
-MATRICES = frozenset(("xmat", "ximat", "geom_xmat", "site_xmat", "cam_xmat"))
-"""Fields whose rows are matrices, shape (3, 3), which MuJoCo stores flat."""
+
+def _take(array: np.ndarray, indices: np.ndarray, /, *, axis: int | None = None) -> np.ndarray:
+    return array.take(indices, axis)
+
+
+def _sum(array: np.ndarray, /, *, axis: Any = None, keepdims: bool = False) -> np.ndarray:
+    return array.sum(axis, keepdims=keepdims)
+
+
+def _astype(array: np.ndarray, dtype: Any, /, *, copy: bool = True) -> np.ndarray:
+    return array.astype(dtype, copy=copy)
+
+
+def _matrix_transpose(array: np.ndarray, /) -> np.ndarray:
+    return array.swapaxes(-1, -2)
+
+
+def _vecdot(first: np.ndarray, second: np.ndarray, /) -> np.ndarray:
+    return np.matmul(first[..., None, :], second[..., :, None])[..., 0, 0]
+
+
+def _library() -> Any:
+    names = {name: getattr(np, name) for name in np.__all__}
+    names |= {name: getattr(np, former) for name, former in NEW_NAMES.items()}
+    short = {"take": _take, "sum": _sum, "astype": _astype, "matrix_transpose": _matrix_transpose, "bool": np.bool_}
+    names.setdefault("vecdot", _vecdot)  # NumPy 1.26 has none.
+    return SimpleNamespace(**names | short)
+
+
+NUMPY: Any = _library()  # What `Worlds.xp` is on the CPU.
+
+
+def torch_library(beside: Any) -> tuple[Any, Callable[[Any], Any]]:
+    """Return torch by the standard, and what copies NumPy's arrays to the device of a tensor.
+
+    Real numbers get 32 bits there, whole ones 64, as torch indexes.
+    """
+    import array_api_compat.torch as library  # Comes with `mimoc[gpu]`.
+    import torch
+
+    def put(values: Any) -> Any:
+        values = np.asarray(values)
+        kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
+        return torch.tensor(values, dtype=kind, device=beside.device)
+
+    return library, put
+
+
+MATRICES = frozenset(("xmat", "ximat", "geom_xmat", "site_xmat", "cam_xmat"))  # (3, 3); MuJoCo stores them flat.
 
 OF_CONSTRAINTS = (
     *("dof_island", "efc_", "efm_", "iacc", "iefc_", "ifrc_", "island_", "map_", "tendon_efc", "tree_island"),
-)
-"""What the names of arrays begin with whose size depends on the present contacts and other constraints."""
+)  # Prefixes of arrays whose size depends on the present constraints.
 
 
 class Worlds:
-    """Fields of the simulations of k infants by name, shape (k, ...), and what else terms can ask of them."""
+    """The state of k infants: fields by name, shape (k, ...), and contacts."""
 
     def __init__(
         self,
@@ -37,20 +94,19 @@ class Worlds:
         loads: Callable[[Any], Any],
         datas: Sequence[mujoco.MjData] = (),
     ):
-        """Say how to read worlds.
+        """Give access to worlds.
 
         Args:
             xp: The array library.
             read: Returns a field by its name, shape (k, ...).
-            pressing: See `pressing`.
-            loads: See `loads`.
+            pressing: See the method.
+            loads: See the method.
             datas: The simulations themselves, on the CPU, for what is no term.
         """
         self.datas = datas
         self.xp, self._read, self._pressing, self._loads = xp, read, pressing, loads
 
     def __getattr__(self, field: str) -> Any:
-        """Return a field of `MjData`, which is read once."""
         if field.startswith("_"):
             raise AttributeError(field)
         array = self._read(field)
@@ -60,22 +116,17 @@ class Worlds:
     def pressing(self, group_of_geom: Any) -> Any:
         """Return which groups of geoms press on which, shape (k, g, g), symmetric.
 
-        Args:
-            group_of_geom: The group of each geom, from 0 to g - 1, or -1 for none, shape (ngeom,).
+        *group_of_geom* is the group of each geom, from 0 to g - 1, or -1 for none, shape (ngeom,).
         """
         return self._pressing(group_of_geom)
 
     def loads(self, group_of_geom: Any) -> Any:
-        """Return the largest normal force of a contact on each group of geoms, shape (k, g), [N].
-
-        Args:
-            group_of_geom: See `pressing`.
-        """
+        """Return the largest normal force of a contact on each group of geoms, shape (k, g), [N]; see `pressing`."""
         return self._loads(group_of_geom)
 
 
 def worlds_of_one(data: mujoco.MjData) -> Worlds:
-    """Return the world of one infant: its arrays are views, which show every later state of the same data."""
+    """Return the world of one infant; its arrays are views, which follow the data."""
     read = _reader(data, lambda field: getattr(data, field)[None])
     return Worlds(
         NUMPY,
@@ -86,7 +137,7 @@ def worlds_of_one(data: mujoco.MjData) -> Worlds:
 
 
 def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -> Worlds:
-    """Return the worlds of k infants as they are now; *read* returns a field of all of them, shape (k, ...)."""
+    """Return the present worlds of k infants; *read* returns a field of all, shape (k, ...)."""
 
     def pressing(group_of_geom: Any) -> Any:
         return np.stack([pressing_groups(data, group_of_geom) for data in datas])
@@ -98,7 +149,7 @@ def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -
 
 
 def _reader(data: mujoco.MjData, read: Callable[[str], np.ndarray]) -> Callable[[str], np.ndarray]:
-    """Return what reads fields whose sizes never change, matrices as such; others are an AttributeError."""
+    """Return a function that reads fields of constant size, and raises an AttributeError for others."""
 
     def read_checked(field: str) -> np.ndarray:
         if field.startswith(OF_CONSTRAINTS) or not isinstance(getattr(data, field, None), np.ndarray):

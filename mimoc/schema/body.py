@@ -23,9 +23,9 @@ from mimoc.schema.names import (
 from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, among, keys_among
 
 AdultExpression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
-"""Those of a caregiver."""
+"""Facial expressions of a caregiver."""
 Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared", "sleepy", "crying"]
-"""Those of an infant."""
+"""Facial expressions of an infant."""
 ADULT_EXPRESSIONS: tuple[AdultExpression, ...] = get_args(AdultExpression)
 EXPRESSIONS: tuple[Expression, ...] = get_args(Expression)
 

@@ -1,6 +1,7 @@
 """What a user can ask of a caregiver, and what the manifest tells the runtime of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from itertools import pairwise
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, StringConstraints, model_validator
@@ -90,14 +91,6 @@ class ActSpec(Model):
         return {key: value for key, value in values.items() if value is not None}
 
 
-def check_acts(script: Sequence[ActSpec]) -> None:
-    """Check that a script is in order of time; raise a KeyedError if it is not."""
-    for number in range(1, len(script)):
-        if script[number].at_s < script[number - 1].at_s:
-            before = script[number - 1].at_s
-            raise KeyedError(("script", number, "at_s"), f"the act before begins at {before:g} s; put them in order")
-
-
 Behaviour = Literal["kick", "gaze", "vocalisation", "touch"]  # What an infant does that can be answered.
 Place = Literal["in_front", "beside", "above"]
 Side = Literal["left", "right"]
@@ -159,8 +152,11 @@ class CaregiverSpec(Model):
     """How it answers what the infant does; by default, it does not."""
 
     @model_validator(mode="after")
-    def _script_can_be_done(self) -> Self:
-        check_acts(self.script)
+    def _script_is_in_order(self) -> Self:
+        for number, (before, act) in enumerate(pairwise(self.script), start=1):
+            if act.at_s < before.at_s:
+                message = f"the act before begins at {before.at_s:g} s; put them in order"
+                raise KeyedError(("script", number, "at_s"), message)
         return self
 
 

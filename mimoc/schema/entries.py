@@ -41,7 +41,7 @@ Duration = Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)]  # A de
 ControlStep = Annotated[Duration, Field(ge=0.1, le=1000)]  # Duration of a control step, in [ms].
 Count = Annotated[int, Field(ge=0)]  # A number of things, or the number of one of them from 0.
 Size = Annotated[int, Field(ge=1)]  # A number of things of which there is at least one.
-Digest = Annotated[str, StringConstraints(pattern="^sha256:[0-9a-f]{64}$")]  # Of a bundle.
+Digest = Annotated[str, StringConstraints(pattern="^sha256:[0-9a-f]{64}$")]  # Digest of a bundle.
 Steps = Annotated[int, Field(ge=1, le=10**9)]  # Control steps.
 Lengths: TypeAlias = tuple[Length, Length]  # Lowest and highest length, in [m].
 Numbers: TypeAlias = tuple[Number, Number]  # Lowest and highest number.

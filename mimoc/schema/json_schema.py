@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from mimoc.base.errors import UnknownNameError
+from mimoc.base.errors import check_name
 from mimoc.schema.base import Model
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
-from mimoc.schema.wording import ONE_OF_SEVERAL
+from mimoc.schema.reading import ONE_OF_SEVERAL
 from mimoc.schema.world import WorldSpec
 
 FILES: Mapping[str, tuple[type[Model], str]] = {
@@ -20,7 +20,7 @@ FILES: Mapping[str, tuple[type[Model], str]] = {
 }
 """Kinds of files: what describes them, and what they are called."""
 ABOUT = ("description", "default")  # Attributes that say something of a value, not which ones there are.
-VERSION = 1  # Of the language: the value of the key `mimoc`.
+VERSION = 1  # Version of the language: the value of the key `mimoc`.
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 NOTHING = {"type": "null"}  # What pydantic lets optional keys be; a file leaves them out instead.
 
@@ -33,8 +33,7 @@ def json_schema(of: str = "infant") -> dict[str, Any]:
     Raises:
         UnknownNameError: If there are no such files.
     """
-    if of not in FILES:
-        raise UnknownNameError("kind of files", of, FILES)
+    check_name("kind of files", of, FILES)
     keys, title = FILES[of]
     schema = {"$schema": DIALECT, **_stricter(language_of(keys).schema), "title": title}
     if of == "infant":

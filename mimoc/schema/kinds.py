@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from mimoc.base.errors import KindError
 from mimoc.base.kinds import Code, Component, Registry
 
 if TYPE_CHECKING:  # The names of kinds are known before pydantic is.
@@ -192,9 +193,9 @@ class PolicyKind(Component):
     """Value of `mimoc run --policy`."""
     about: str
     """One sentence for help."""
-    run: Code
+    run: Code | None = None
     """`bind(env) -> Policy`: from a random number generator and an observation to an action; with an `argument`,
-    `bind(env, text) -> Policy`."""
+    `bind(env, text) -> Policy`. None: `many` acts for a single infant, too."""
     argument: str = ""
     """What stands after its name and a colon, as in `motion:DIR`, in a word for help; empty for nothing. In square
     brackets, it may be left out: then `bind(env)` is called."""
@@ -204,6 +205,10 @@ class PolicyKind(Component):
     is_behaviour: bool = False
     """Whether it is a behaviour: `run` is `bind(subject) -> Behaviour` (`mimoc/policies/behaviours/behaviour.py`), and
     one controller does all behaviours of a sum."""
+
+    def __post_init__(self) -> None:
+        if self.run is None and self.many is None:
+            raise KindError(f"the policy '{self.name}' has nothing that acts; give `run` or `many`")
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,6 +241,24 @@ class MotionFormat(Component):
     """`read(path, options) -> PointRecording`, its names the labels of the file, its rate NaN if that says none.
     *options* are `mimoc.motion.point_recording.ReadOptions`; an `UnusableFileError` says what follows the path in an
     error."""
+
+
+@dataclass(frozen=True, slots=True)
+class EngineKind(Component):
+    """Where the jobs of a cohort are done."""
+
+    name: str
+    """Value of `mimoc cohort run --on`."""
+    options: tuple[str, ...]
+    """Names of its options."""
+    check: Code
+    """`check(options)`: raises a MimocError if it cannot run with them."""
+    run: Code
+    """`run(jobs, store, options, done)`: has every job done by `mimoc.studies.cohorts.run_jobs.run_jobs(jobs, store)`,
+    which writes a result for each, in some process that sees the cohort's folder. It calls `done` with the number of
+    jobs that have a result, whenever there are more, and returns when all have one, or raises. When an exception such
+    as KeyboardInterrupt leaves it, it ends what it has started. Jobs and store can be pickled; jobs may be handed out
+    twice. A job that has no result after `run` has returned counts as failed."""
 
 
 _IN = "mimoc.components"
@@ -286,16 +309,14 @@ SCENES = Registry(
         "empty": SceneKind(
             "empty",
             "Nothing at all: no floor and no gravity.",
-            f"{_IN}.scenes.plain:build_empty",
+            f"{_IN}.scenes:build_empty",
             has_floor=False,
             needs_footprint=False,
             varies=False,
         ),
-        "flat": SceneKind(
-            "flat", "An endless floor.", f"{_IN}.scenes.plain:build_flat", needs_footprint=False, varies=False
-        ),
+        "flat": SceneKind("flat", "An endless floor.", f"{_IN}.scenes:build_flat", needs_footprint=False, varies=False),
         "crib": SceneKind("crib", "A crib that fits the infant.", f"{_IN}.scenes.crib", varies=False),
-        "room": f"{_IN}.scenes.room",
+        "room": f"{_IN}.scenes:ROOM",
     },
 )
 
@@ -313,17 +334,10 @@ TOY_SOURCES = Registry(
     },
 )
 
-_FURNITURE = ("mat", "seat", "rail", "table", "stairs", "slope", "wall", "screen", "water")
-OBJECTS = Registry(
-    ObjectKind,
-    "kind of object",
-    {
-        **{name: f"{_IN}.objects.{name}" for name in ("shape", "mobile")},
-        **{name: f"{_IN}.objects.furniture:{name.upper()}" for name in _FURNITURE},
-    },
-)
+_OBJECTS = ("shape", "mobile", "mat", "seat", "rail", "table", "stairs", "slope", "wall", "screen", "water")
+OBJECTS = Registry(ObjectKind, "kind of object", {name: f"{_IN}.objects:{name.upper()}" for name in _OBJECTS})
 
-COMPANIONS: Mapping[str, Code] = {"caregiver": f"{_IN}.companions.caregiver.run"}
+COMPANIONS: Mapping[str, Code] = {"caregiver": f"{_IN}.companions.caregiver"}
 """`bind() -> Companion`, or the module that has it. An infant has one if its manifest has an entry of that name."""
 
 RECORDING: Code = "mimoc.recording.folder"
@@ -336,25 +350,18 @@ POLICIES = Registry(
     PolicyKind,
     "policy",
     (
-        PolicyKind(
-            "random",
-            "draws every command uniformly from its range",
-            f"{_POLICIES}.random",
-            many=f"{_POLICIES}.random",
-        ),
-        PolicyKind("zero", "commands zero", f"{_POLICIES}.zero", many=f"{_POLICIES}.zero"),
+        PolicyKind("random", "draws every command uniformly from its range", many=f"{_POLICIES}.policy:bind_random"),
+        PolicyKind("zero", "commands zero", many=f"{_POLICIES}.policy:bind_zero"),
         PolicyKind("reach", "reaches by inverse dynamics; not for servos", f"{_POLICIES}.reach"),
         PolicyKind(
             "general_movements",
             "moves by itself as infants of its age do",
-            f"{_POLICIES}.general_movements.generator",
-            many=f"{_POLICIES}.general_movements.generator",
+            many=f"{_POLICIES}.general_movements:Moving",
         ),
         PolicyKind(
             "reflexes",
             "has the reflexes of its age, or, by months, of a child that is later",
-            f"{_POLICIES}.reflexes.binding",
-            "[MONTHS]",
+            argument="[MONTHS]",
             many=f"{_POLICIES}.reflexes.binding",
         ),
         PolicyKind(
@@ -364,16 +371,21 @@ POLICIES = Registry(
             "NAME",
         ),
         PolicyKind("motion", "follows a recorded motion; not for servos", f"{_POLICIES}.motion", "DIR"),
-        _behaviour("hold", "keeps the pose of the start", f"{_BEHAVIOURS}.hold"),
-        _behaviour("sit", "sits without support", f"{_BEHAVIOURS}.sit", "[OPTIONS]"),
-        _behaviour("prone", "lies on its forearms, head up", f"{_BEHAVIOURS}.prone"),
-        _behaviour("hands_and_knees", "keeps on hands and knees", f"{_BEHAVIOURS}.hands_and_knees", "[OPTIONS]"),
-        _behaviour("stand", "stands alone", f"{_BEHAVIOURS}.stand", "[OPTIONS]"),
+        _behaviour("hold", "keeps the pose of the start", f"{_BEHAVIOURS}.postures:bind_hold"),
+        _behaviour("sit", "sits without support", f"{_BEHAVIOURS}.postures:bind_sit", "[OPTIONS]"),
+        _behaviour("prone", "lies on its forearms, head up", f"{_BEHAVIOURS}.postures:bind_prone"),
+        _behaviour(
+            "hands_and_knees", "keeps on hands and knees", f"{_BEHAVIOURS}.postures:bind_hands_and_knees", "[OPTIONS]"
+        ),
+        _behaviour("stand", "stands alone", f"{_BEHAVIOURS}.postures:bind_stand", "[OPTIONS]"),
         _behaviour("kick", "kicks on its back", f"{_BEHAVIOURS}.kick", "[LEG]"),
         _behaviour(
-            "look_at", "looks at a toy, a part of a body, another infant or a place", f"{_BEHAVIOURS}.look", "TARGET"
+            "look_at",
+            "looks at a toy, a part of a body, another infant or a place",
+            f"{_BEHAVIOURS}.aiming:bind_look",
+            "TARGET",
         ),
-        _behaviour("reach_for", "reaches for one with a hand", f"{_BEHAVIOURS}.reach", "TARGET[,HAND]"),
+        _behaviour("reach_for", "reaches for one with a hand", f"{_BEHAVIOURS}.aiming:bind_reach", "TARGET[,HAND]"),
     ),
 )
 
@@ -408,3 +420,26 @@ FORMATS = Registry(
     },
 )
 """Formats that recordings of points are read from, in the order in which they are tried."""
+
+MOVEMENT_GROUPS = {
+    "keypoints": "the 25 keypoints of BODY_25",
+    "parts": "place, velocity and speed of hands, feet, head, trunk and the whole body",
+    "objects": "place, velocity and speed of the objects of the spec",
+    "gaze": "where the eyes look, and at what",
+    "contacts": "what each part of the body touches, contact forces and ground reaction",
+    "joints": "angles of joints, and torques of motors or muscles about them",
+    "actuators": "activation of each muscle or motor",
+}
+"""Movement columns that are recorded together or not at all, in the order in which tables show them: what they are."""
+
+_ENGINES = {
+    "local": ("processes",),
+    "slurm": ("partition", "time_min", "memory_gb", "array_limit", "jobs_per_task"),
+    "ray": ("address", "jobs_per_task"),
+}
+_COHORTS = "mimoc.studies.cohorts"
+ENGINES = Registry(
+    EngineKind,
+    "place to run a cohort on",
+    [EngineKind(name, options, f"{_COHORTS}.{name}", f"{_COHORTS}.{name}") for name, options in _ENGINES.items()],
+)

@@ -20,7 +20,7 @@ ARM, LEG = ("shoulder", "elbow", "wrist", "fingers"), ("hip", "knee", "ankle", "
 HAND, FOOT = ARM[2:], LEG[2:]
 MIDDLE = ("neck", "trunk", "eyes")
 PLURAL = {"foot": "feet", "fingers": "fingers", "toes": "toes"}
-"""Of words to which `s` is not simply added, or that both sides share."""
+"""Plurals that do not end in `s`, and words that mean both sides."""
 
 STEMS: Mapping[str, tuple[str, ...]] = {
     "shoulder": ("shoulder_",),

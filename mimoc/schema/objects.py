@@ -1,4 +1,4 @@
-"""The `objects` of a scene: what a user can ask of each, what the manifest tells of it, and where a reset moves it."""
+"""The `objects` and `toys` of a scene: what a user can ask of each, what the manifest tells of objects, and moves."""
 
 import math
 import re
@@ -21,10 +21,20 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 
 from mimoc.base.errors import check_name, suggestion
-from mimoc.schema.base import KeyedError, Model, described_field, omitting
+from mimoc.schema.base import KeyedError, Model, choice_field, composed, described_field, omitting, own_sections
 from mimoc.schema.entries import Amount, Body, Geom, Joint, Label, Length, Lengths, Tendon
-from mimoc.schema.kinds import OBJECTS
-from mimoc.schema.quantities import Centimetres, CyclesPerDegree, Degrees, Identifier, PathText, Real
+from mimoc.schema.kinds import OBJECTS, TOY_SOURCES
+from mimoc.schema.quantities import (
+    Centimetres,
+    CyclesPerDegree,
+    Degrees,
+    Distinct,
+    Identifier,
+    PathText,
+    Real,
+    Rising,
+    Whole,
+)
 
 Coordinate = Annotated[Real, Field(ge=-1000, le=1000, json_schema_extra={"unit": "cm"})]
 Distance = Annotated[Centimetres, Field(le=1000)]
@@ -34,7 +44,7 @@ Motion = Literal["fixed", "free", "hanging", "sliding"]
 WATER_KG_M3 = 1000.0  # Density of water, rounded.
 
 RELATIONS = ("within reach of", "in front of", "beside", "on")  # What a place in words can begin with; a name follows.
-WITH_A_GAP = ("in front of", "beside")  # Those at which `distance_cm` counts.
+WITH_A_GAP = ("in front of", "beside")  # Relations for which `distance_cm` counts.
 _WORDS = re.compile(rf"({'|'.join(RELATIONS)}) (?:the )?([a-z][a-z0-9_]*)")
 
 
@@ -211,7 +221,7 @@ class FurnitureSpec(ObjectSpec):
         return self
 
 
-MOST_CYCLES = 512  # Of a grating across a picture: each takes 8 texels at least.
+MAX_CYCLES = 512  # Largest number of cycles of a grating across a picture: each takes at least 8 texels.
 
 
 class GratingSpec(Model):
@@ -255,10 +265,10 @@ class PicturedSpec(FurnitureSpec):
     def _shows_all_stripes(self) -> Self:
         if self.grating is not None:
             across_cm = self.width_cm if self.grating.stripes == "vertical" else self.tall_cm
-            if across_cm > MOST_CYCLES * self.grating.cycle_cm:
-                most = MOST_CYCLES * self.grating.cycle_cm
+            if across_cm > MAX_CYCLES * self.grating.cycle_cm:
+                most = MAX_CYCLES * self.grating.cycle_cm
                 message = (
-                    f"{across_cm:g} cm of it have more than {MOST_CYCLES} stripes; give {most:.3g} cm or less of it"
+                    f"{across_cm:g} cm of it have more than {MAX_CYCLES} stripes; give {most:.3g} cm or less of it"
                 )
                 raise KeyedError(("grating", "cpd"), f"{message}, or fewer cycles per degree")
         return self
@@ -363,3 +373,40 @@ def _checked(name: str, place: Any) -> Move:
         key, what = ".".join(map(str, first["loc"])), first["msg"].lower()
         problem = f"{key}: {what}" if key else f"{place!r:.40} is not a place"
         raise ValueError(f"object '{name}': {problem}; give {{'x_cm': 20, 'y_cm': 0}}, or {MOVABLE_TO}") from None
+
+
+ToyCount = Annotated[Whole, Field(ge=0, le=50)]
+ToySize = Annotated[Centimetres, Field(ge=0.5, le=100)]
+ToyName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=255)]
+
+
+def _fields() -> dict[str, FieldInfo]:
+    about = " ".join(f"`{source.name}`: {source.about}" for source in TOY_SOURCES.values())
+    return {"source": choice_field(TOY_SOURCES, "builtin", about), **own_sections(TOY_SOURCES)}
+
+
+@composed(_fields)
+class ToysSpec(Model):
+    """The toys around the infant."""
+
+    source: str = "builtin"
+    """Where the toys come from."""
+    root: PathText | None = None
+    """Folder with the data of a source such as `toys4k`, relative to the spec's folder; `~` and environment variables
+    are expanded."""
+    subset: Annotated[tuple[ToyName, ...], *Distinct] = ()
+    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; by default, all. In a folder
+    of your own meshes, the file names without their extensions."""
+    count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
+    """Range of the number of toys."""
+    size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)
+    """Range of the length of a toy's longest side."""
+    infant: Identifier | None = None
+    """In a world with several infants, the one that they are around; by default, the first."""
+
+    @model_validator(mode="after")
+    def _has_a_root(self) -> Self:
+        if TOY_SOURCES[self.source].needs_root and self.root is None:
+            advice = "add the folder you unpacked it to"
+            raise KeyedError(("root",), f"is missing, and 'source: {self.source}' needs it; {advice}")
+        return self

@@ -100,7 +100,7 @@ def _check_fields(record: Component) -> None:
         except ValidationError as error:
             reason = error.errors()[0]["msg"]
             raise KindError(f"{key} is {value!r:.60}: {reason[0].lower()}{reason[1:]}") from None
-        if types[field.name] == Code and isinstance(value, str) and not _exists(value.partition(":")[0]):
+        if types[field.name] in (Code, Code | None) and isinstance(value, str) and not _exists(value.partition(":")[0]):
             raise KindError(f"{key} names the module '{value}', which does not exist")
 
 

@@ -5,7 +5,15 @@ from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Field, JsonValue, StringConstraints
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    JsonValue,
+    StringConstraints,
+)
 from pydantic.fields import FieldInfo
 
 Number = TypeVar("Number", int, float)
@@ -21,12 +29,10 @@ Degrees = Annotated[Real, Field(json_schema_extra={"unit": "deg"})]
 Milliseconds = Annotated[Real, Field(ge=0, json_schema_extra={"unit": "ms"})]
 Pixels = Annotated[Whole, Field(ge=1, json_schema_extra={"unit": "px"})]
 CyclesPerDegree = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "cpd"})]
-LEAST_PERCENTILE, LARGEST_PERCENTILE = 0.0001, 99.9999
+MIN_PERCENTILE, MAX_PERCENTILE = 0.0001, 99.9999
 """One child in a million is smaller, or larger: 4.75 standard deviations. 0 and 100 would be infinitely small and large
 children."""
-Percentile = Annotated[
-    Real, Field(ge=LEAST_PERCENTILE, le=LARGEST_PERCENTILE, json_schema_extra={"unit": "percentile"})
-]
+Percentile = Annotated[Real, Field(ge=MIN_PERCENTILE, le=MAX_PERCENTILE, json_schema_extra={"unit": "percentile"})]
 """Percentile of the WHO Child Growth Standards; of a child that is farther out, give the measurement."""
 
 Direction = Literal["left", "right", "up", "down"]  # A side of the line of sight.
@@ -104,3 +110,17 @@ Int64 = Annotated[Whole, Field(ge=-INT64, lt=INT64)]
 Count = Annotated[Whole, Field(ge=0, lt=INT64)]
 NotNegative = Annotated[Real, Field(ge=0)]
 Plain = Annotated[JsonValue, AfterValidator(bounded)]
+
+
+def by_shape(wanted: str) -> tuple[Discriminator, FieldInfo]:
+    """Return what marks alternatives that differ in shape, the `Tag` of each: `a word`, `a list` or `a section`.
+
+    Args:
+        wanted: What a message says of a value that is none of them.
+    """
+    return Discriminator(_shape), Field(json_schema_extra={"wanted": wanted})
+
+
+def _shape(value: Any) -> str | None:
+    shapes = {"a word": str, "a list": list | tuple, "a section": dict | BaseModel}
+    return next((shape for shape, types in shapes.items() if isinstance(value, types)), None)

@@ -10,9 +10,8 @@ from mimoc.schema.base import ComposedModel, KeyedError, KeyPath, Model, choice_
 from mimoc.schema.body import PartName
 from mimoc.schema.caregiver import CaregiverSpec
 from mimoc.schema.kinds import SCENES
-from mimoc.schema.objects import ObjectSpec, check_names, check_start, objects_field
+from mimoc.schema.objects import ObjectSpec, ToysSpec, check_names, check_start, objects_field
 from mimoc.schema.quantities import Distinct, Identifier, PathText, Whole
-from mimoc.schema.toys import ToysSpec
 
 
 class TexturesSpec(Model):

@@ -11,21 +11,19 @@ from mimoc.base.errors import Problem, SpecError, suggestion
 from mimoc.schema import source as sources
 from mimoc.schema.base import KeyedError, Model, given
 from mimoc.schema.caregiver import check_times
-from mimoc.schema.cohort_steps import by_shape
-from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.infant import InfantSpec, parts_left, read_spec
 from mimoc.schema.objects import check_start
-from mimoc.schema.quantities import Degrees, Identifier, PathText, Real, version_one
+from mimoc.schema.quantities import Degrees, Identifier, PathText, Real, by_shape, version_one
 from mimoc.schema.reading import FileModel, read_keys
 from mimoc.schema.scene import SceneSpec, infants_named
 from mimoc.schema.source import FileKind, Source, in_memory_as_text
-from mimoc.schema.spec import parts_left
 
 WORLD = FileKind("world file", "mimoc, name and infants", "infants: [anna.yaml, ben.yaml]")
-MOST_INFANTS = 8
-LONGEST_NAME = 16  # Letters of an infant's name in a world: MuJoCo's files of skins have 40 for it and that of a body.
+MAX_INFANTS = 8
+MAX_NAME = 16  # Letters of an infant's name: MuJoCo's files of skins have 40 for it and the name of a body.
 INFANTS = "infants"
 Position = Annotated[Real, Field(ge=-500, le=500, json_schema_extra={"unit": "cm"})]
-InfantName = Annotated[Identifier, StringConstraints(max_length=LONGEST_NAME)]
+InfantName = Annotated[Identifier, StringConstraints(max_length=MAX_NAME)]
 
 
 class PlacedInfantSpec(Model):
@@ -68,7 +66,7 @@ class WorldSpec(FileModel):
     name: Annotated[Identifier, Field(examples=["two"])]
     """Name of the world and of its MuJoCo model."""
     infants: Annotated[
-        tuple[InfantChoice, ...], Field(min_length=1, max_length=MOST_INFANTS, examples=[["anna.yaml", "ben.yaml"]])
+        tuple[InfantChoice, ...], Field(min_length=1, max_length=MAX_INFANTS, examples=[["anna.yaml", "ben.yaml"]])
     ]
     """The infants: the files of their specs, relative to this one; or `{name: anna, spec: a.yaml, x_cm: 0, y_cm: 40,
     yaw_deg: 90}`."""
@@ -141,7 +139,9 @@ def read_world(source: Source) -> WorldPlan:
         try:
             specs.append(_read_infant(source.folder / Path(item.spec).expanduser()))
         except SpecError as error:
-            of_file = [problem for problem in error.problems if not problem.key]  # Such as that there is none.
+            of_file = [
+                problem for problem in error.problems if not problem.key
+            ]  # No key: there is no file, or none that can be read.
             problems += [source.problem((INFANTS, index), f"{item.spec}: {problem.message}") for problem in of_file]
             problems += [problem for problem in error.problems if problem.key]
     if problems:
@@ -220,8 +220,8 @@ def _read_infant(path: Path) -> InfantSpec:
 def _clashes(names: list[str], source: Source) -> Iterator[Problem]:
     """Yield where names are not told apart: the parts of an infant are named `anna_head`."""
     for index, name in enumerate(names):
-        if len(name) > LONGEST_NAME:
-            message = f"the name '{name}' has more than {LONGEST_NAME} letters; give another with 'name'"
+        if len(name) > MAX_NAME:
+            message = f"the name '{name}' has more than {MAX_NAME} letters; give another with 'name'"
             yield source.problem((INFANTS, index), message)
         for other in names[:index]:
             if f"{name}_".startswith(f"{other}_") or f"{other}_".startswith(f"{name}_"):

@@ -12,7 +12,7 @@ import numpy as np
 
 from mimoc.base.geometry.rotations import FloatArray
 from mimoc.base.rounding import rounded
-from mimoc.render.plots.plot import Band
+from mimoc.render.plots import Band
 from mimoc.schema.base import Model
 
 Certainty = Literal["read", "read in another source", "recorded", "derived", "assumption"]
@@ -56,8 +56,8 @@ class Reference(Model):
         return 0.0 if self.has(value) or end is None else value - end
 
 
-AgeVerdict = Literal["inside", "too early", "too late", "not reached", "no verdict"]
-GOOD: tuple[AgeVerdict, ...] = ("inside", "no verdict")
+Verdict = Literal["inside", "outside", "too early", "too late", "not reached", "no verdict", "not tried"]
+GOOD: tuple[Verdict, ...] = ("inside", "no verdict")
 
 
 class AgeRange(Model):
@@ -90,7 +90,7 @@ class AgeRange(Model):
             return rounded(self.usual_months - self.sd_months), rounded(self.usual_months + self.sd_months)
         return self.youngest_months, self.oldest_months
 
-    def verdict(self, age_months: float | None, *, of_average: bool = False) -> AgeVerdict:
+    def verdict(self, age_months: float | None, *, of_average: bool = False) -> Verdict:
         """Return how the age at which an infant reaches it compares; None is never. Nobody is judged by assumptions."""
         youngest_months, oldest_months = self.window(of_average=of_average)
         if self.certainty == ASSUMPTION:

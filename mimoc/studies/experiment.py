@@ -24,13 +24,11 @@ from mimoc.base.kinds import NAME, installed_entry_points
 from mimoc.base.quantities import QUANTITIES, Quantity
 from mimoc.bundle.files import write_file
 from mimoc.bundle.io import Bundle
-from mimoc.render.plots.file import encode, require_matplotlib
-from mimoc.render.plots.plot import Band, Line, Plot, Sheet
+from mimoc.render.plots import Band, Line, Plot, Sheet, encode, require_matplotlib
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
-from mimoc.studies.bodies import bodies_digest
 from mimoc.studies.comparison import ASSUMPTION, Figure, Interval, Reference, band_of, interval
 from mimoc.studies.experiments import EXPERIMENTS, GROUP
 from mimoc.studies.jobs import JobStore, Progress, run_jobs
@@ -38,6 +36,7 @@ from mimoc.studies.notebook import (
     PAGES,
     Cell,
     Notebook,
+    bodies_digest,
     markdown_table,
     open_notebook,
     page_text,
@@ -163,7 +162,8 @@ class Experiment:
         count = notebook.counter(len(jobs))
         if self.kept:
             store = JobStore(notebook.folder, TRIALS, TrialResult)
-            keys, function = [_key(self.trial, *job) for job in jobs], partial(_tried, self.name, self.trial)
+            keys = [_key(self.trial, *job) for job in jobs]
+            function = partial(_tried, self.name, self.trial)
             processes = 1 if notebook.quick else os.cpu_count() or 1
             done: Iterator[Any] = iter(
                 store.complete(keys, lambda missing: run_jobs(function, [jobs[at] for at in missing], processes), count)
@@ -239,7 +239,7 @@ def summary_table(results: Results, references: Mapping[str, Sequence[Reference]
     for case, same in results.by_case.items():
         for measure in dict.fromkeys(name for result in same for name in result.values):
             mean, values = results.mean(case, measure), results.values(case, measure)
-            cells = (*(_text(_plain(case)[name]) for name in names), measure, f"{len(values)}", mean.text())
+            cells = (*(_text(_plain(case).get(name, "")) for name in names), measure, f"{len(values)}", mean.text())
             rows.append((*cells, *_beside(references.get(measure, ()), _plain(case).get("age_months"), mean.mean)))
     return markdown_table((*names, "measure", "n", "mean (95 %)", "real infants", "verdict", "source"), rows)
 
@@ -291,9 +291,10 @@ def _plain(case: Any) -> dict[str, Any]:
 
 
 def _differing(cases: Sequence[Any]) -> list[str]:
-    """Return the names of the fields in which some cases differ."""
+    """Return the names of the fields in which some cases differ; those of different classes have other fields."""
     plain = [_plain(case) for case in cases]
-    return [name for name in plain[0] if any(it[name] != plain[0][name] for it in plain)] if plain else []
+    names = dict.fromkeys(name for values in plain for name in values)
+    return [name for name in names if any(it.get(name) != plain[0].get(name) for it in plain)]
 
 
 def _text(value: object) -> str:
@@ -366,7 +367,8 @@ def find_experiment(name: str | Path) -> Experiment:
         return _in_file(Path(name))
     added = {point.name: point for point in installed_entry_points().select(group=GROUP)}
     if name in EXPERIMENTS:
-        return import_module(EXPERIMENTS[str(name)]).EXPERIMENT
+        module, _, value = EXPERIMENTS[str(name)].partition(":")
+        return getattr(import_module(module), value)
     if name not in added:
         raise UnknownNameError("known experiment", str(name), [*EXPERIMENTS, *added])
     try:

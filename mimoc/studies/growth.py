@@ -19,7 +19,7 @@ from mimoc.compiler.child import checked_or_average, child_of
 from mimoc.compiler.measuring import ROOT, SAME, UP, Progress, compare_at_ages, compile_infant, measure_body, own_solids
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.growth import group_age
-from mimoc.fits.who import REFERENCES, Reference, percentile
+from mimoc.fits.standards import REFERENCES, Reference, percentile
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided
 from mimoc.schema.sizes import MEASUREMENT_OF

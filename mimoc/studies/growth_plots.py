@@ -4,13 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE, INDICATORS
+from mimoc.base.quantities import AGE, INDICATORS, Quantity
 from mimoc.fits import load_tables, measure
 from mimoc.fits.anthropometry import DataPoint
 from mimoc.fits.growth import BIRTH
-from mimoc.fits.who import Reference
-from mimoc.render.plots.plot import Band, Dots, Line, Plot, Range, Sheet, Ticks
+from mimoc.fits.standards import Reference
+from mimoc.render.plots import Band, Dots, Line, Plot, Range, Sheet, Ticks
 
 LAST_MONTH = 24
 AGE_RANGE = (-0.5, LAST_MONTH + 0.5)

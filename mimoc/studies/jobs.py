@@ -6,18 +6,23 @@ results = store.complete(keys, lambda missing: run_jobs(trial, [jobs[place] for 
 
 import json
 import os
-import signal
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import socket
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from pickle import dumps, loads
+from runpy import run_path
 from threading import Thread
-from typing import Any, Generic, NamedTuple, TypeVar
+from traceback import format_exc
+from types import ModuleType
+from typing import Any, Generic, TypeVar
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import make_folder, remove, write_file
@@ -30,6 +35,8 @@ from mimoc.schema.base import Model
 Result = TypeVar("Result", bound=Model)
 Value = TypeVar("Value")
 Progress = Callable[[int, int], None]  # Called with how much is done, and how much there is to do.
+PATIENCE_S = 5.0  # How long to wait for the end of a process that does nothing.
+POLL_S = 1.0  # How often to look for processes that have ended in silence.
 Key = Sequence[Any]
 """What decides the result of a job besides the software, as data for JSON; first the name that its file begins with."""
 
@@ -110,54 +117,136 @@ def run_jobs(
         for place, arguments in enumerate(jobs):
             yield place, function(*arguments)
         return
-    with process_pool(min(processes, len(jobs))) as pool:
-        running = {pool.submit(_answer, function, *arguments): place for place, arguments in enumerate(jobs)}
-        for future in as_completed(running):
-            answer = future.result()
-            if isinstance(answer, _Failure):
-                raise answer.kind(answer.message)
-            yield running[future], answer
+    with workers(min(processes, len(jobs))) as idle:
+        waiting, doing = deque(enumerate(jobs)), dict[Worker, int]()
+        while waiting or doing:
+            while waiting and idle:
+                worker = idle.pop()
+                doing[worker], arguments = waiting.popleft()
+                worker.begin(function, *arguments)
+            for worker in ready(doing):
+                place = doing.pop(worker)
+                yield place, worker.finish()
+                idle.append(worker)
 
 
-class _Failure(NamedTuple):
-    """An error of mimoc's on its way between processes, for which not all of them are made."""
-
-    kind: type[MimocError]
-    message: str
+class WorkerEndedError(MimocError):
+    """A process has ended instead of doing its job."""
 
 
-def _answer(function: Callable[..., Value], *arguments: Any) -> Value | _Failure:
-    try:
-        return function(*arguments)
-    except MimocError as error:
-        takes_a_message = type(error).__init__ is MimocError.__init__
-        return _Failure(type(error) if takes_a_message else MimocError, str(error))
+class Worker:
+    """A process that does one job after the other, and ends when this one does, however it ends.
+
+    It starts anew, with some environment variables of its own. Ctrl-C is for this process, which then ends the others.
+    """
+
+    def __init__(self, environment: Mapping[str, str] | None = None):
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", f"from mimoc.studies.jobs import serve; serve({theirs.fileno()})"],
+                stdin=subprocess.PIPE,  # It ends when this is closed, even if this process is killed.
+                env={**os.environ, **(environment or {}), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+            )
+        self.connection = Connection(ours.detach())
+        self._is_busy = False
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process has ended."""
+        return self._process.poll() is not None
+
+    def begin(self, function: Callable[..., Any], *arguments: Any) -> None:
+        """Have a function called; one of the main module takes that along, which has to guard its main part."""
+        self._is_busy, job = True, dumps((function, arguments))
+        main = getattr(sys.modules["__main__"], "__file__", None) if b"__main__" in job else None
+        with suppress(OSError):  # It has ended: `finish` tells.
+            self.connection.send((main, job))
+
+    def finish(self, within_s: float | None = None) -> Any:
+        """Wait for the function; return what it returned, or raise what it raised.
+
+        Raises:
+            WorkerEndedError: If the process has ended instead, or does not answer *within_s*.
+        """
+        try:
+            if not self.connection.poll(0 if self.has_ended else within_s):
+                raise EOFError
+            error, answer = self.connection.recv()
+        except (EOFError, OSError):
+            raise WorkerEndedError(self.end()) from None
+        self._is_busy = False
+        if error:
+            raise error
+        return answer
+
+    def end(self) -> str:
+        """End the process, and say how it ended if it has done so by itself."""
+        self.connection.close()
+        if not self._is_busy:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(PATIENCE_S)
+        self._process.kill()
+        self._process.communicate()
+        code = self._process.returncode
+        return f"the process was killed by signal {-code}" if code < 0 else f"the process ended with exit code {code}"
+
+
+def ready(busy: Collection[Worker]) -> list[Worker]:
+    """Wait a moment; return the workers that have done their jobs or have ended."""
+    answered = wait([worker.connection for worker in busy], POLL_S)
+    return [worker for worker in busy if worker.connection in answered or worker.has_ended]
 
 
 @contextmanager
-def process_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield a pool of processes that start anew, and leave Ctrl-C to the one that asks for it.
-
-    When that leaves the context, by whatever exception, or is itself ended, they end at once, whatever they are at.
-    """
-    context = get_context("spawn")
-    theirs, ours = context.Pipe(duplex=False)
-    with theirs, ours, ProcessPoolExecutor(processes, context, _begin, (theirs,)) as pool:
-        try:
-            yield pool
-        except BaseException:
-            ours.close()
-            pool.shutdown(cancel_futures=True)
-            raise
+def workers(number: int) -> Iterator[list[Worker]]:
+    """Yield processes that do jobs; when the context is left, by whatever exception, they end at once."""
+    made = list[Worker]()
+    try:
+        made += (Worker() for _ in range(number))
+        yield list(made)
+    finally:
+        for worker in made:
+            worker.end()
 
 
-def _begin(lifeline: Connection) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def serve(descriptor: int) -> None:
+    """Do the jobs that come over a connection to the process that has started this one, and answer each."""
+    os.set_inheritable(descriptor, False)
+    lifeline, nothing = os.dup(0), os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    connection = Connection(descriptor)
+    with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
+        while True:
+            main, job = connection.recv()
+            if main and sys.modules["__main__"].__name__ != "__mp_main__":
+                module = sys.modules["__main__"] = sys.modules["__mp_main__"] = ModuleType("__mp_main__")
+                vars(module).update(run_path(main, run_name="__mp_main__"))
+            try:
+                function, arguments = loads(job)
+                answer = (None, function(*arguments))
+            except Exception as error:
+                answer = (_sendable(error), None)
+            connection.send(answer)
 
 
-def _end_with(lifeline: Connection) -> None:
-    """End this process when the other end of a connection is closed, or the process that has it ends."""
-    with suppress(EOFError, OSError):
-        lifeline.recv_bytes()
+def _end_with(lifeline: int) -> None:
+    """End this process when the one that started it ends, however it ends."""
+    while os.read(lifeline, 1):
+        pass
     os._exit(1)
+
+
+def _sendable(error: Exception) -> Exception:
+    """Return an error that can be made again from its message alone, as another process has to."""
+    if isinstance(error, MimocError) and type(error).__init__ is not MimocError.__init__:
+        return MimocError(str(error))
+    try:
+        loads(dumps(error))
+    except Exception:  # Whatever its class does then.
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    error.add_note(format_exc())
+    return error

@@ -1,4 +1,4 @@
-"""The folder of an experiment: its tables, pictures and page, which has the same text wherever it is written."""
+"""The folder of an experiment: its tables, pictures and page, and the digest of the bodies that the page names."""
 
 import csv
 import io
@@ -8,11 +8,16 @@ import os
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import TypeVar
+from xml.etree.ElementTree import canonicalize
 
 from mimoc.base.errors import OutputError
 from mimoc.bundle.files import write_file
+from mimoc.bundle.io import Bundle
+from mimoc.compiler.building import compiled
+from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.jobs import Progress
 
@@ -128,3 +133,36 @@ def _number(cell: Cell) -> str:
     if cell is None or (isinstance(cell, float) and math.isnan(cell)):
         return ""
     return cell if isinstance(cell, str) else f"{cell:.{DIGITS}g}"
+
+
+STILL = {"asset", "camera", "deformable", "light", "sensor", "site", "statistic", "visual"}
+"""Elements of MJCF that move nothing: how a scene looks, and what is only read."""
+NAMES = {"model", "material", "rgba", "group"}
+"""Attributes that move nothing: the name of the infant, and how a geom looks."""
+DIGEST_DIGITS = 16
+
+
+def bodies_digest(infants: Iterable[Bundle | InfantSpec]) -> str:
+    """Return 16 hexadecimal digits that say with which bodies something was measured.
+
+    They are those of the scenes that are simulated, in the order given: masses, shapes, joints, motors, contacts, start
+    poses and furniture, with the digits of bundles, which are the same on every machine. Names of infants, looks,
+    sensors and sites, manifests and versions are left out.
+
+    Raises:
+        SpecError: If an infant cannot be built.
+
+    Example:
+        >>> from mimoc.schema.infant import load_spec
+        >>> spec = load_spec("nine_months.yaml")
+        >>> bodies_digest([spec]) == bodies_digest([spec.with_(name="another")])
+        True
+        >>> bodies_digest([spec]) == bodies_digest([spec.with_(age_months=10)])
+        False
+    """
+    digest = sha256()
+    for bundle in map(compiled, infants):
+        scene = bundle.files[bundle.manifest.scene].decode()
+        moved = canonicalize(scene, strip_text=True, exclude_tags=STILL, exclude_attrs=NAMES)
+        digest.update(moved.encode())
+    return digest.hexdigest()[:DIGEST_DIGITS]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
         torch_devices as torch_devices,
     )
     from mimoc.training.curve import Curve as Curve, CurvePoint as CurvePoint
-    from mimoc.training.evaluation import Episode as Episode, evaluate as evaluate, load_policy as load_policy
+    from mimoc.training.evaluation import evaluate as evaluate, load_policy as load_policy
     from mimoc.training.trainer import Training as Training, train as train
     from mimoc.training.vector_env import (
         InfantVecEnv as InfantVecEnv,

@@ -1,10 +1,11 @@
-"""Stable-Baselines3's PPO and SAC, as mimoc configures them."""
+"""Stable-Baselines3's PPO and SAC: how they learn from infants on the CPU, and the files of their policies."""
 
 import io
 import json
 import math
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -14,6 +15,9 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.buffers import DictReplayBuffer
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
@@ -21,7 +25,8 @@ from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
 from mimoc.base.errors import PolicyError
-from mimoc.bundle.arrays import pack_arrays
+from mimoc.base.units import ms_to_s
+from mimoc.bundle.io import pack_arrays
 from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.policies.policy_file import (
     ABOUT,
@@ -35,10 +40,30 @@ from mimoc.policies.policy_file import (
     interface_of,
     spaces_of,
 )
+from mimoc.recording.recorder import Recording
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.runtime.sense import Observation
+from mimoc.training.checkpoint import (
+    IntervalCurve,
+    Progress,
+    opened_checkpoint,
+    pack,
+    restore_state,
+    set_weights,
+    state_of,
+    weights_of,
+)
+from mimoc.training.curve import CurvePoint, DeviceUse, summarize
 from mimoc.training.settings import Number, TrainingSettings, complete
-from mimoc.training.vector_env import normalized_names, statistics
+from mimoc.training.tracking import ROW_STEPS, RewardWatch
+from mimoc.training.vector_env import normalized_names, seek, set_statistics, statistics
+
+SCALE, REPLAY = "scale.npz", "replay.npz"
+"""The files of statistics of the observations, in policies and checkpoints, and of a replay buffer, in checkpoints.
+What mimoc does not read in a policy is for Stable-Baselines3, whose `load` accepts the archive too and unpickles it;
+mimoc never does."""
 
 _PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),
@@ -49,9 +74,6 @@ _ALGORITHMS: Mapping[str, Callable[..., BaseAlgorithm]] = {"ppo": PPO, "sac": SA
 _POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy}
 
 
-Modules = Mapping[str, Any]
-
-
 def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:
     """Return an untrained agent; the same seed gives the same initial weights."""
     return _ALGORITHMS[settings.algo](
@@ -59,7 +81,7 @@ def make_agent(env: VecNormalize, settings: TrainingSettings) -> BaseAlgorithm:
         env,
         policy_kwargs=_network(settings.hyper),
         device="cpu",
-        seed=interval_seed(settings.seed, 0),
+        seed=settings.interval_seed(0),
         **{name: settings.hyper[name] for name in _PASSED_ON[settings.algo]},
     )
 
@@ -82,50 +104,146 @@ def torch_devices() -> str:
     return f"CUDA {torch.version.cuda}, {', '.join(names)}"
 
 
-def interval_seed(seed: int, start_steps: int) -> int:
-    """Return the seed of the training interval that starts after the given number of steps."""
-    return int(np.random.SeedSequence([seed, start_steps]).generate_state(1)[0]) // 2
+class SB3Learner:
+    """PPO or SAC of Stable-Baselines3 with its environments; see `Learner`."""
+
+    def __init__(self, settings: TrainingSettings, infant: InfantEnv, env: VecNormalize, recording: Recording | None):
+        self._settings, self._infant, self._env, self._recording = settings, infant, env, recording
+        self._agent, self._watch = make_agent(env, settings), RewardWatch()
+        self._recorder: Recorder
+        self._interval_steps = 0
+
+    def log_to(self, logger: Logger) -> None:
+        """Tell a logger what is learnt from now on."""
+        self._agent.set_logger(logger)
+
+    def restore(self, checkpoint: bytes) -> Progress:
+        """Restore a checkpoint, and return the progress at that point."""
+        with opened_checkpoint(checkpoint) as saved:
+            progress = saved.progress()
+            restore_agent(self._agent, saved.arrays(WEIGHTS))
+            set_statistics(self._env, saved.arrays(SCALE))
+            self._agent.num_timesteps = progress.steps
+            if (buffer := self._replay_buffer) is not None:
+                restore_replay(buffer, saved.arrays(REPLAY))
+        return progress
+
+    def begin(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
+        """Begin an interval."""
+        settings, step_s = self._settings, ms_to_s(self._infant.manifest.step_ms)
+        self._recorder = Recorder(before, step_s, report, on_row, self._watch)
+        seek(self._env, settings, before.steps)
+        if self._recording is not None:  # What a killed process has recorded of this interval comes again.
+            self._recording.mark(settings.digest(), before.steps)
+        # The outcome of the interval depends only on the weights and statistics of the agent, and on this seed.
+        self._agent.set_random_seed(settings.interval_seed(before.steps))
+        self._agent._last_obs = None  # Makes `learn` reset the environments.
+        self._interval_steps = settings.end_of_interval(before.steps) - before.steps
+
+    def learn(self, others: Sequence[Any] = ()) -> None:
+        """Learn until the end of the interval; on the CPU, there are no others."""
+        self._agent.learn(self._interval_steps, self._recorder, reset_num_timesteps=False)
+
+    def progress(self) -> Progress:
+        """Return the progress at the end of what was learnt last, or where that was interrupted."""
+        return self._recorder.progress()
+
+    @property
+    def _replay_buffer(self) -> DictReplayBuffer | None:
+        buffer = getattr(self._agent, "replay_buffer", None)
+        return buffer if isinstance(buffer, DictReplayBuffer) else None
+
+    @property
+    def has_learnt(self) -> bool:
+        """Whether it was updated since it was made or restored."""
+        return self._agent._n_updates > 0  # pyright: ignore[reportAttributeAccessIssue] - Of on- and off-policy algorithms.
+
+    def policy(self) -> bytes:
+        """Return the content of the file of its policy."""
+        return pack_policy(self._agent, self._env, self._settings, self._infant)
+
+    def checkpoint(self, reached: Progress) -> bytes:
+        """Return the content of a checkpoint file."""
+        arrays = {WEIGHTS: agent_state(self._agent), SCALE: statistics(self._env)}
+        if (buffer := self._replay_buffer) is not None:
+            arrays[REPLAY] = replay_arrays(buffer)
+        return pack(reached, arrays)
+
+    def use(self, others: Sequence[Any] = ()) -> list[DeviceUse | None]:
+        """Return that nothing was taken of a device."""
+        return [None]
 
 
-def start_interval(agent: BaseAlgorithm, seed: int) -> None:
-    """Reset all environments and seed all random numbers at the start of a training interval.
+@contextmanager
+def sb3_learner(
+    settings: TrainingSettings, infant: InfantEnv, open_envs: Callable[[], VecNormalize], record: str | Path | None
+) -> Iterator[list[SB3Learner]]:
+    """Open the parallel environments, recorded in a folder if there is one, and what learns from them."""
 
-    The outcome of an interval thus depends only on the agent's weights and statistics and on the seed.
-    """
-    agent.set_random_seed(interval_seed(seed, agent.num_timesteps))
-    agent._last_obs = None  # Makes `learn` reset the environments.
+    def close() -> None:
+        with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
+            env.close()
+
+    env = open_envs()
+    with ExitStack() as opened:
+        opened.callback(close)
+        together: Any = env.unwrapped
+        recording = opened.enter_context(Recording(together.infants.infants, record)) if record is not None else None
+        yield [SB3Learner(settings, infant, env, recording)]
 
 
-def weights_of(module: torch.nn.Module) -> dict[str, np.ndarray]:
-    """Return the weights of a network, by their names in it."""
-    return {name: tensor.numpy(force=True) for name, tensor in module.state_dict().items()}
+class Recorder(BaseCallback):
+    """Callback that extends a learning curve during a training interval."""
 
+    def __init__(
+        self,
+        before: Progress,
+        step_s: float,
+        report: Callable[[int], None],
+        on_row: Callable[[CurvePoint], None],
+        watch: RewardWatch,
+    ):
+        """Continue the curve of earlier intervals; *report* gets the steps taken so far, *on_row* each new row."""
+        super().__init__()
+        self._curve, self._before_steps, self._step_s = IntervalCurve(before, on_row), before.steps, step_s
+        self._report, self._watch = report, watch
+        self._ended = list[EpisodeResult]()
 
-def set_weights(module: torch.nn.Module, weights: Mapping[str, np.ndarray]) -> None:
-    """Set the weights of a network, or raise a RuntimeError if they are those of another one."""
-    module.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in weights.items()})
+    def _on_step(self) -> bool:
+        for info in self.locals["infos"]:
+            if (episode := info.get("episode")) is not None:
+                self._ended.append(self._result(episode["r"], episode["l"], success=bool(info["is_success"])))
+        if not self._watch.ended:
+            self._watch(self._envs.get_original_reward())
+        self._report(self.num_timesteps)
+        if self.num_timesteps - self._curve.row_start >= ROW_STEPS:
+            self._end_row()
+        return True
+
+    def progress(self) -> Progress:
+        """Return the progress at the end of the interval, or where it was interrupted."""
+        if self.num_timesteps > self._curve.row_start:
+            self._end_row()
+        return self._curve.progress(max(self.num_timesteps, self._before_steps))
+
+    @property
+    def _envs(self) -> Any:
+        return self.training_env
+
+    def _end_row(self) -> None:
+        so_far = zip(self._envs.episode_returns, self._envs.episode_lengths, strict=True)
+        unfinished = [self._result(reward, steps) for reward, steps in so_far if steps]
+        self._curve.add(summarize(self._ended, self.num_timesteps, self._curve.wall_s(), unfinished))
+        self._ended = []
+
+    def _result(self, total_reward: Any, steps: Any, *, success: bool = False) -> EpisodeResult:
+        return EpisodeResult(float(total_reward), int(steps), success, duration_s=int(steps) * self._step_s)
 
 
 def agent_state(agent: BaseAlgorithm) -> dict[str, np.ndarray]:
-    """Return weights, states of optimisers and other variables that an agent learns, to go on from.
-
-    Names are those of networks' weights (`policy/log_std`), of what an optimiser knows of a parameter, by its number
-    (`policy.optimizer/0/exp_avg`), and of variables (`log_ent_coef`).
-    """
+    """Return all that an agent learns, to go on from: `state_of` its modules, and variables (`log_ent_coef`)."""
     modules, variables = _learnt(agent)
     return {**{name: getattr(agent, name).numpy(force=True) for name in variables}, **state_of(modules)}
-
-
-def state_of(modules: Modules) -> dict[str, np.ndarray]:
-    """Return the weights of networks and what optimisers know, with names as in `agent_state`."""
-    state = dict[str, np.ndarray]()
-    for name, module in modules.items():
-        if isinstance(module, torch.optim.Optimizer):
-            known = module.state_dict()["state"].items()
-            state |= {f"{name}/{number}/{key}": part[key].numpy(force=True) for number, part in known for key in ADAM}
-        else:
-            state |= {f"{name}/{key}": array for key, array in weights_of(module).items()}
-    return state
 
 
 def restore_agent(agent: BaseAlgorithm, state: Mapping[str, np.ndarray]) -> None:
@@ -137,43 +255,41 @@ def restore_agent(agent: BaseAlgorithm, state: Mapping[str, np.ndarray]) -> None
             getattr(agent, name).copy_(torch.from_numpy(state[name].copy()))
 
 
-def restore_state(modules: Modules, state: Mapping[str, np.ndarray]) -> None:
-    """Restore what `state_of` has returned; raise a Key-, Runtime- or ValueError if it is of other networks."""
-    for name, module in modules.items():
-        part = {key.removeprefix(f"{name}/"): array for key, array in state.items() if key.startswith(f"{name}/")}
-        if isinstance(module, torch.optim.Optimizer):
-            _restore_optimiser(module, part)
-        else:
-            set_weights(module, part)
-
-
-ADAM = ("step", "exp_avg", "exp_avg_sq")  # What PyTorch's Adam, which all agents learn with, knows of a parameter.
-
-
-def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Mapping[str, np.ndarray]) -> None:
-    parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
-    known = {number: part for number, part in enumerate(parameters) if f"{number}/{ADAM[0]}" in saved}
-    shapes = {f"{number}/{key}": () if key == "step" else part.shape for number, part in known.items() for key in ADAM}
-    if shapes != {name: array.shape for name, array in saved.items()}:
-        raise ValueError("an optimiser of other parameters")
-    state = {number: {key: torch.from_numpy(saved[f"{number}/{key}"].copy()) for key in ADAM} for number in known}
-    optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
-
-
 def _learnt(agent: BaseAlgorithm) -> "tuple[dict[str, torch.nn.Module | torch.optim.Optimizer], list[str]]":
     """Return the networks and optimisers of an agent by name, and the names of its other variables."""
     names, variables = agent._get_torch_save_params()
     return {name: attrgetter(name)(agent) for name in names}, variables
 
 
+_VECTORS = ("actions", "rewards", "dones", "timeouts")
+_DICTIONARIES = ("observations", "next_observations")
+
+
+def replay_arrays(buffer: DictReplayBuffer) -> dict[str, np.ndarray]:
+    """Return what a replay buffer holds, to go on from."""
+    used = buffer.buffer_size if buffer.full else buffer.pos
+    arrays = {"pos": np.array(buffer.pos), "full": np.array(buffer.full)}
+    arrays |= {name: getattr(buffer, name)[:used] for name in _VECTORS}
+    for kind in _DICTIONARIES:
+        arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(buffer, kind).items()}
+    return arrays
+
+
+def restore_replay(buffer: DictReplayBuffer, saved: Mapping[str, np.ndarray]) -> None:
+    """Restore what `replay_arrays` has returned; raise a Key- or ValueError if it is of another buffer."""
+    used, position, full = len(saved["rewards"]), int(saved["pos"]), bool(saved["full"])
+    if used != (buffer.buffer_size if full else position) or not 0 <= position < buffer.buffer_size:
+        raise ValueError("a replay buffer of another size")
+    for name in _VECTORS:
+        getattr(buffer, name)[:used] = saved[name]
+    for kind in _DICTIONARIES:
+        for name, part in getattr(buffer, kind).items():
+            part[:used] = saved[f"{kind}.{name}"]
+    buffer.pos, buffer.full = position, full
+
+
 def _network(hyper: Mapping[str, Number]) -> dict[str, Any]:
     return {"net_arch": [int(hyper["width"])] * int(hyper["layers"])}
-
-
-SCALE = "scale.npz"
-"""The file in a policy archive with the statistics of the observations. What mimoc does not read is for
-Stable-Baselines3, whose `load` accepts the archive too and unpickles it; mimoc never does."""
-OF_TORCH = "policy.pth"  # The weights, for Stable-Baselines3.
 
 
 def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: TrainingSettings, env: Infant) -> bytes:

@@ -3,31 +3,31 @@
 import io
 import json
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
 
 import numpy as np
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.buffers import DictReplayBuffer
-from stable_baselines3.common.vec_env import VecNormalize
+import torch
 
 from mimoc.base.errors import TrainingError
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
+from mimoc.bundle.io import pack_arrays, unpack_arrays
 from mimoc.bundle.regular_files import parse_json
-from mimoc.policies.policy_file import DAMAGED, WEIGHTS, Archive
+from mimoc.policies.policy_file import DAMAGED, Archive
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Count, NotNegative
-from mimoc.training.agents import OF_TORCH, SCALE, Modules, agent_state, restore_agent, restore_state, state_of
-from mimoc.training.curve import Curve
-from mimoc.training.vector_env import set_statistics, statistics
+from mimoc.training.curve import Curve, CurvePoint
 
-STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"
-_VECTORS = ("actions", "rewards", "dones", "timeouts")
-_DICTIONARIES = ("observations", "next_observations")
+STATE, CURVE = "state.json", "curve.csv"
+OF_TORCH = "policy.pth"  # Weights that PyTorch pickled, in policies for Stable-Baselines3 and in checkpoints of old.
 
 UNUSABLE = "checkpoint is damaged; training cannot resume; start over with --force"
 OUTDATED = "checkpoint was saved by an earlier version of mimoc; training cannot resume; start over with --force"
+
+Arrays = Mapping[str, np.ndarray]
+Modules = Mapping[str, Any]  # Networks and optimisers of PyTorch by name.
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +39,31 @@ class Progress:
     curve: Curve = field(default_factory=Curve)
 
 
+class IntervalCurve:
+    """The rows of a learning curve that a training interval adds to those of earlier intervals."""
+
+    def __init__(self, before: Progress, on_row: Callable[[CurvePoint], None]):
+        """Continue a curve; *on_row* gets each new row."""
+        self.row_start = before.steps
+        """Control steps at the end of the last row."""
+        self._before, self._on_row = before, on_row
+        self._rows, self._start_s = list[CurvePoint](), perf_counter()
+
+    def wall_s(self) -> float:
+        """Return the wall time of the training so far."""
+        return round(self._before.wall_s + perf_counter() - self._start_s, 3)
+
+    def add(self, row: CurvePoint) -> None:
+        """Add a row."""
+        self._rows.append(row)
+        self.row_start = row.steps
+        self._on_row(row)
+
+    def progress(self, steps: int) -> Progress:
+        """Return the progress after so many control steps."""
+        return Progress(steps, self.wall_s(), Curve((*self._before.curve.rows, *self._rows)))
+
+
 class _State(Model):
     """What `state.json` contains."""
 
@@ -46,84 +71,93 @@ class _State(Model):
     wall_s: NotNegative
 
 
-def pack(agent: BaseAlgorithm, env: VecNormalize, progress: Progress) -> bytes:
-    """Return the content of a checkpoint file: all that an agent has learnt, statistics, replay buffer and progress."""
+def pack(progress: Progress, arrays: Mapping[str, Arrays]) -> bytes:
+    """Return the content of a checkpoint file: progress, and arrays by name, in files of these names."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
-        _pack_progress(archive, progress)
-        archive.writestr(WEIGHTS, pack_arrays(agent_state(agent)))
-        archive.writestr(SCALE, pack_arrays(statistics(env)), zipfile.ZIP_DEFLATED)
-        if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            used = buffer.buffer_size if buffer.full else buffer.pos
-            arrays = {name: getattr(buffer, name)[:used] for name in _VECTORS}
-            for kind in _DICTIONARIES:
-                arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(buffer, kind).items()}
-            archive.writestr(
-                REPLAY, pack_arrays({"pos": np.array(buffer.pos), "full": np.array(buffer.full), **arrays})
-            )
+        archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
+        archive.writestr(CURVE, progress.curve.to_csv(), zipfile.ZIP_DEFLATED)
+        for name, of_file in arrays.items():
+            archive.writestr(name, pack_arrays(of_file))
     return content.getvalue()
 
 
-def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress:
-    """Restore an agent and its environment from a checkpoint file; return the progress at that point."""
-    with _opened(content) as archive:
-        progress = _progress(archive)
-        restore_agent(agent, unpack_arrays(archive.content(WEIGHTS)))
-        set_statistics(env, unpack_arrays(archive.content(SCALE)))
-        agent.num_timesteps = progress.steps
-        if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            saved = unpack_arrays(archive.content(REPLAY))
-            used, position, full = len(saved["rewards"]), int(saved["pos"]), bool(saved["full"])
-            if used != (buffer.buffer_size if full else position) or not 0 <= position < buffer.buffer_size:
-                raise ValueError("a replay buffer of another size")
-            for name in _VECTORS:
-                getattr(buffer, name)[:used] = saved[name]
-            for kind in _DICTIONARIES:
-                for name, part in getattr(buffer, kind).items():
-                    part[:used] = saved[f"{kind}.{name}"]
-            buffer.pos, buffer.full = position, full
-    return progress
+class Checkpoint(Archive):
+    """The content of a checkpoint file."""
 
+    def progress(self) -> Progress:
+        """Return the progress at the checkpoint."""
+        state = parse_json(self.content(STATE), _State)
+        return Progress(state.steps, state.wall_s, Curve.from_csv(self.content(CURVE).decode()))
 
-def pack_modules(modules: Modules, progress: Progress) -> bytes:
-    """Return the content of a checkpoint file of networks with their statistics, optimisers and progress."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as archive:
-        _pack_progress(archive, progress)
-        archive.writestr(WEIGHTS, pack_arrays(state_of(modules)))
-    return content.getvalue()
-
-
-def restore_modules(content: bytes, modules: Modules) -> Progress:
-    """Restore what `pack_modules` has packed; return the progress at that point."""
-    with _opened(content) as archive:
-        restore_state(modules, unpack_arrays(archive.content(WEIGHTS)))
-        return _progress(archive)
-
-
-def read_progress(content: bytes) -> Progress:
-    """Return the progress stored in a checkpoint file, or raise a TrainingError if the file is damaged."""
-    with _opened(content) as archive:
-        return _progress(archive)
+    def arrays(self, name: str) -> dict[str, np.ndarray]:
+        """Return the arrays in one of its files."""
+        return unpack_arrays(self.content(name))
 
 
 @contextmanager
-def _opened(content: bytes) -> Iterator[Archive]:
+def opened_checkpoint(content: bytes) -> Iterator[Checkpoint]:
+    """Open a checkpoint file; whatever cannot be read or restored from it is a TrainingError."""
     try:
-        archive = Archive(content)
-        if OF_TORCH not in archive.namelist():
-            yield archive
+        checkpoint = Checkpoint(content)
+        if OF_TORCH not in checkpoint.namelist():
+            yield checkpoint
             return
     except DAMAGED:
         raise TrainingError(UNUSABLE) from None
     raise TrainingError(OUTDATED)
 
 
-def _pack_progress(archive: zipfile.ZipFile, progress: Progress) -> None:
-    archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
-    archive.writestr(CURVE, progress.curve.to_csv(), zipfile.ZIP_DEFLATED)
+def read_progress(content: bytes) -> Progress:
+    """Return the progress stored in a checkpoint file, or raise a TrainingError if the file is damaged."""
+    with opened_checkpoint(content) as checkpoint:
+        return checkpoint.progress()
 
 
-def _progress(archive: Archive) -> Progress:
-    state = parse_json(archive.content(STATE), _State)
-    return Progress(state.steps, state.wall_s, Curve.from_csv(archive.content(CURVE).decode()))
+def weights_of(module: torch.nn.Module) -> dict[str, np.ndarray]:
+    """Return the weights of a network, by their names in it."""
+    return {name: tensor.numpy(force=True) for name, tensor in module.state_dict().items()}
+
+
+def set_weights(module: torch.nn.Module, weights: Arrays) -> None:
+    """Set the weights of a network, or raise a RuntimeError if they are those of another one."""
+    module.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in weights.items()})
+
+
+ADAM = ("step", "exp_avg", "exp_avg_sq")  # What PyTorch's Adam, which all agents learn with, knows of a parameter.
+
+
+def state_of(modules: Modules) -> dict[str, np.ndarray]:
+    """Return the weights of networks and the states of optimisers.
+
+    Names are those of weights (`policy/log_std`), and of what an optimiser knows of a parameter, by its number
+    (`policy.optimizer/0/exp_avg`).
+    """
+    state = dict[str, np.ndarray]()
+    for name, module in modules.items():
+        if isinstance(module, torch.optim.Optimizer):
+            known = module.state_dict()["state"].items()
+            state |= {f"{name}/{number}/{key}": part[key].numpy(force=True) for number, part in known for key in ADAM}
+        else:
+            state |= {f"{name}/{key}": array for key, array in weights_of(module).items()}
+    return state
+
+
+def restore_state(modules: Modules, state: Arrays) -> None:
+    """Restore what `state_of` has returned; raise a Key-, Runtime- or ValueError if it is of other networks."""
+    for name, module in modules.items():
+        part = {key.removeprefix(f"{name}/"): array for key, array in state.items() if key.startswith(f"{name}/")}
+        if isinstance(module, torch.optim.Optimizer):
+            _restore_optimiser(module, part)
+        else:
+            set_weights(module, part)
+
+
+def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Arrays) -> None:
+    parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
+    known = {number: part for number, part in enumerate(parameters) if f"{number}/{ADAM[0]}" in saved}
+    shapes = {f"{number}/{key}": () if key == "step" else part.shape for number, part in known.items() for key in ADAM}
+    if shapes != {name: array.shape for name, array in saved.items()}:
+        raise ValueError("an optimiser of other parameters")
+    state = {number: {key: torch.from_numpy(saved[f"{number}/{key}"].copy()) for key in ADAM} for number in known}
+    optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})

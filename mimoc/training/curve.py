@@ -5,7 +5,7 @@ import io
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import MISSING, astuple, dataclass, fields
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -13,22 +13,8 @@ import numpy.typing as npt
 from mimoc.base.errors import TrainingError
 from mimoc.schema.quantities import bounded
 
-
-@dataclass(frozen=True, slots=True)
-class FinishedEpisode:
-    """An episode that ended during training."""
-
-    total_reward: float
-    steps: int
-    success: bool
-
-
-@dataclass(frozen=True, slots=True)
-class UnfinishedEpisode:
-    """An episode that is under way."""
-
-    reward_so_far: float
-    steps: int
+if TYPE_CHECKING:  # Reading a curve must not load MuJoCo.
+    from mimoc.runtime.quantities import EpisodeResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,23 +103,25 @@ class Curve:
 
 
 def summarize(
-    episodes: Sequence[FinishedEpisode],
+    episodes: "Sequence[EpisodeResult]",
     steps: int,
-    step_s: float,
     wall_s: float,
-    unfinished: Sequence[UnfinishedEpisode] = (),
+    unfinished: "Sequence[EpisodeResult]" = (),
 ) -> CurvePoint:
-    """Return the row of a learning curve after so many control steps, for the episodes since the previous row."""
+    """Return the row of a learning curve after so many control steps, for the episodes since the previous row.
+
+    Of those that are *unfinished* at its end, results are so far.
+    """
     return CurvePoint(
         steps=steps,
         episodes=len(episodes),
         episode_return=_mean(episode.total_reward for episode in episodes),
         success_rate=_mean(episode.success for episode in episodes),
         episode_steps=_mean(episode.steps for episode in episodes),
-        time_to_success_s=_mean(episode.steps * step_s for episode in episodes if episode.success),
+        time_to_success_s=_mean(episode.duration_s for episode in episodes if episode.success),
         wall_s=wall_s,
         unfinished=len(unfinished),
-        unfinished_return=_mean(episode.reward_so_far for episode in unfinished),
+        unfinished_return=_mean(episode.total_reward for episode in unfinished),
         unfinished_steps=_mean(episode.steps for episode in unfinished),
     )
 

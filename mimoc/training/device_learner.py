@@ -16,21 +16,20 @@ from stable_baselines3.common.logger import Logger
 from tensordict import TensorDict
 
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.policies.policy_file import Network, interface_of, pack_network
+from mimoc.policies.policy_file import WEIGHTS, Network, interface_of, pack_network
 from mimoc.runtime.device.arrays import most_memory_mb, only_warnings, present, put
-from mimoc.runtime.device.episode_ends import DeviceTask
+from mimoc.runtime.device.episodes import DeviceTask
 from mimoc.runtime.device.signals import check_infant, find_device
 from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.device.world_assignment import ResetSampler
 from mimoc.runtime.env import InfantEnv
-from mimoc.training.agents import Modules, interval_seed
-from mimoc.training.checkpoint import Progress, pack_modules, restore_modules
-from mimoc.training.curve import Curve, CurvePoint, DeviceUse
+from mimoc.training.checkpoint import IntervalCurve, Modules, Progress, opened_checkpoint, pack, restore_state, state_of
+from mimoc.training.curve import CurvePoint, DeviceUse
 from mimoc.training.rsl_rl_env import GROUP, EnvRows, InfantRslEnv, check_plain
 from mimoc.training.settings import Number, TrainingSettings
 from mimoc.training.tracking import ROW_STEPS, RewardWatch
 
-MOST_REWARD = 10.0  # Absolute value at which rewards in units of the deviation of returns are clipped, as on the CPU.
+MAX_REWARD = 10.0  # Absolute value at which rewards in units of the deviation of returns are clipped, as on the CPU.
 
 
 class ClippedNormalization(EmpiricalNormalization):
@@ -69,7 +68,7 @@ class ReturnScale(EmpiricalNormalization):
         returns = self._returns * self._gamma + rewards
         self.update(returns[:, None])
         self._returns = returns.masked_fill(dones, 0.0)
-        return (rewards / torch.sqrt(self._var[0] + 1e-8)).clamp(-MOST_REWARD, MOST_REWARD)
+        return (rewards / torch.sqrt(self._var[0] + 1e-8)).clamp(-MAX_REWARD, MAX_REWARD)
 
 
 class EarlyEnding(RolloutStorage):
@@ -101,7 +100,7 @@ class DeviceLearner:
 
     def __init__(self, settings: TrainingSettings, infant: InfantEnv, rows: EnvRows):
         self._settings, self._infant, self._rows = settings, infant, rows
-        torch.manual_seed(interval_seed(settings.seed, 0))
+        torch.manual_seed(settings.interval_seed(0))
         self._ppo = make_ppo(rows, settings)
         self._scale = ReturnScale(rows.num_envs, settings.hyper["gamma"]).to(rows.device)
         self._watch = RewardWatch()
@@ -124,13 +123,15 @@ class DeviceLearner:
 
     def restore(self, checkpoint: bytes) -> Progress:
         """Restore a checkpoint, and return the progress at that point."""
-        return restore_modules(checkpoint, self._modules)
+        with opened_checkpoint(checkpoint) as saved:
+            restore_state(self._modules, saved.arrays(WEIGHTS))
+            return saved.progress()
 
     def begin(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
         """Begin an interval, with episodes and random numbers that begin anew."""
         self._start_s, self._report, self._rollout_steps = perf_counter(), report, 0
         self._end = self._settings.end_of_interval(before.steps)
-        seed, step_s = interval_seed(self._settings.seed, before.steps), ms_to_s(self._infant.manifest.step_ms)
+        seed, step_s = self._settings.interval_seed(before.steps), ms_to_s(self._infant.manifest.step_ms)
         torch.manual_seed(seed)
         self._curve = DeviceCurve(before, step_s, self._rows.num_envs, self._rows.device, on_row)
         self._observation = self._rows.reset(seed)
@@ -216,7 +217,7 @@ class DeviceLearner:
     def checkpoint(self, reached: Progress) -> bytes:
         """Return the content of a checkpoint file."""
         self._overflowed += self._curve.overflowed
-        return pack_modules(self._modules, reached)
+        return pack(reached, {WEIGHTS: state_of(self._modules)})
 
     def use(self, others: "Sequence[DeviceLearner]" = ()) -> list[DeviceUse | None]:
         """Return what it and others took of their device, and what each policy does there."""
@@ -234,7 +235,7 @@ def success_rates(learners: Sequence[DeviceLearner]) -> list[float]:
     """Return the share of each learner's infants that have success in an episode without exploration."""
     env = learners[0]._rows.env
     for learner in learners:
-        learner._rows.reset(interval_seed(learner._settings.seed, learner._curve.steps))
+        learner._rows.reset(learner._settings.interval_seed(learner._curve.steps))
     observation = env.get_observations()
     is_over = torch.zeros(env.num_envs, dtype=torch.bool, device=env.device)
     succeeds = is_over.clone()
@@ -344,16 +345,14 @@ class DeviceCurve:
 
     def __init__(self, before: Progress, step_s: float, envs: int, device: Any, on_row: Callable[[CurvePoint], None]):
         """Continue the curve of earlier intervals, of control steps of *step_s*; *on_row* gets each new row."""
-        self._before, self._step_s, self._on_row = before, step_s, on_row
-        self.steps = self.start_steps = self._row_start = before.steps
+        self._curve, self._step_s = IntervalCurve(before, on_row), step_s
+        self.steps = self.start_steps = before.steps
         """Control steps so far, summed over all infants."""
         self.overflowed = 0
         """Episodes of the interval that were cut because contacts did not fit."""
-        self._rows: list[CurvePoint] = []
         self._returns, self._lengths = (torch.zeros(envs, dtype=torch.float64, device=device) for _ in range(2))
         self._is_whole = torch.zeros(envs, dtype=torch.bool, device=device)
         self._sums = torch.zeros(len(SUMS), dtype=torch.float64, device=device)
-        self._start_s = perf_counter()
 
     def add(self, rewards: torch.Tensor, dones: torch.Tensor, extras: Mapping[str, Any]) -> None:
         """Take a control step into account; arrays have the shape (envs,)."""
@@ -382,27 +381,22 @@ class DeviceCurve:
             success_rate=_share(known["successes"], known["episodes"]),
             episode_steps=_share(known["steps"], known["episodes"]),
             time_to_success_s=_share(known["steps to success"], known["successes"]) * self._step_s,
-            wall_s=self._wall_s(),
+            wall_s=self._curve.wall_s(),
             unfinished=count,
             unfinished_return=so_far[0],
             unfinished_steps=so_far[1],
         )
-        if at_last or self.steps - self._row_start >= ROW_STEPS:
+        if at_last or self.steps - self._curve.row_start >= ROW_STEPS:
             self.overflowed += int(known["overflowed"])
-            self._rows.append(row)
-            self._row_start = self.steps
             self._sums.zero_()
-            self._on_row(row)
+            self._curve.add(row)
         return row
 
     def progress(self) -> Progress:
         """Return the progress at the end of the interval, or where it was interrupted."""
-        if self.steps > self._row_start:
+        if self.steps > self._curve.row_start:
             self.end_row(at_last=True)
-        return Progress(self.steps, self._wall_s(), Curve((*self._before.curve.rows, *self._rows)))
-
-    def _wall_s(self) -> float:
-        return round(self._before.wall_s + perf_counter() - self._start_s, 3)
+        return self._curve.progress(self.steps)
 
 
 def _share(total: float, count: float) -> float:

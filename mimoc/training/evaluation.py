@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -10,31 +9,13 @@ import numpy as np
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import TrainingError, UnknownNameError
-from mimoc.base.units import ms_to_s
 from mimoc.policies.named import Policies
 from mimoc.policies.policy import PolicyMaker
 from mimoc.policies.policy_file import load_network, read_policy
 from mimoc.policies.rollout import Rollout
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.runtime.sense import FloatArray
-
-
-@dataclass(frozen=True, slots=True)
-class Episode:
-    """The outcome of one episode of one infant."""
-
-    seed: int
-    steps: int
-    duration_s: float  # Duration in simulated time; the time to success if the episode was successful.
-    total_reward: float  # The return: the sum of all rewards.
-    success: bool
-    path_m: FloatArray | None
-    """Positions of the tracked body at the start and after each control step, shape (steps + 1, 3), world frame."""
-
-    @property
-    def time_to_success_s(self) -> float | None:
-        """Simulated time to success; None if the episode was not successful."""
-        return self.duration_s if self.success else None
 
 
 def evaluate(
@@ -46,7 +27,7 @@ def evaluate(
     steps_per_episode: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Any:
-    """Run a policy for a number of episodes and return their outcomes.
+    """Run a policy for a number of episodes and return their results.
 
     Episode i is reset with `seed + i`, so that all policies start from the same initial states.
 
@@ -65,7 +46,7 @@ def evaluate(
         progress: Called with the number of episodes done, and of all.
 
     Returns:
-        A list of `Episode`, one for each seed; of worlds, a dictionary with the list of each infant, by its name.
+        A list of `EpisodeResult`, one for each seed; of worlds, a dictionary with the list of each infant, by its name.
 
     Raises:
         UnknownNameError: If there is no such policy, infant or body.
@@ -90,32 +71,19 @@ def evaluate(
                 "its spec"
             )
     names = {name: run.name_of(name) for name in run.infants}
-    gathered, done = defaultdict[tuple[int, str], _Gathered](_Gathered), 0
+    results = dict[tuple[int, str], EpisodeResult]()
+    paths_m = defaultdict[str, list[FloatArray]](list)
     for step in run.go():
-        course = gathered[step.episode, step.infant]
-        course.total_reward, course.steps, course.success = course.total_reward + step.reward, step.number, step.success
         if body := bodies[step.infant]:
-            course.path_m.append(run.infants[step.infant].data.body(body).xpos.copy())
+            paths_m[step.infant].append(run.infants[step.infant].data.body(body).xpos.copy())
         if step.ended:
-            done += 1
-            progress(done, episodes * len(set(names.values())))
-    outcomes = dict[str, list[Episode]]()
-    for (number, name), course in sorted(gathered.items(), key=lambda item: item[0][0]):
-        duration_s = ms_to_s(course.steps * run.infants[name].manifest.step_ms)
-        path_m = np.array(course.path_m) if follow else None
-        episode = Episode(seed + number, course.steps, duration_s, course.total_reward, course.success, path_m)
-        outcomes.setdefault(names[name], []).append(episode)
-    return outcomes.get("", []) if "" in names.values() else outcomes
-
-
-@dataclass(slots=True)
-class _Gathered:
-    """What is gathered of an episode while it goes on."""
-
-    total_reward: float = 0.0
-    steps: int = 0
-    success: bool = False
-    path_m: list[FloatArray] = field(default_factory=list)
+            path_m = np.array(paths_m.pop(step.infant)) if follow else None
+            results[step.episode, step.infant] = run.result_of(step, path_m)
+            progress(len(results), episodes * len(set(names.values())))
+    by_name: dict[str, list[EpisodeResult]] = {name: [] for name in names.values()}
+    for (_, name), result in sorted(results.items(), key=lambda item: item[0][0]):
+        by_name[names[name]].append(result)
+    return by_name.get("", []) if "" in names.values() else by_name
 
 
 def _body(infant: Infant, name: str) -> str:

@@ -7,9 +7,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc.base.classes import check_class
 from mimoc.base.errors import MimocError
-from mimoc.runtime.batch.vector_env import BatchEnv
-from mimoc.runtime.opening import environments
-from mimoc.runtime.opening.vector_environments import Sources, listed, make_vec
+from mimoc.runtime import opening
+from mimoc.runtime.batch_env import BatchEnv
+from mimoc.runtime.vector_opening import Sources, listed, make_vec
 from mimoc.runtime.world_env import WorldEnv
 
 if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
@@ -86,7 +86,7 @@ def rsl_rl_env(
         raise MimocError("rsl_rl learns from infants on a device; give device='cuda:0', or 'warp:cpu' to try it out")
     if not isinstance(source, VectorEnv):
         for infant in listed(source):
-            environments.check_source("rsl_rl_env", infant)
+            opening.check_source("rsl_rl_env", infant)
     from mimoc.runtime.device.arrays import only_warnings
     from mimoc.training.rsl_rl_env import InfantRslEnv
 

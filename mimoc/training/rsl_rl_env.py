@@ -11,8 +11,8 @@ from gymnasium.vector import AutoresetMode
 from tensordict import TensorDict
 
 from mimoc.base.errors import MimocError, MissingExtraError
-from mimoc.runtime.batch.gymnasium_forms import RESET_MASK
 from mimoc.runtime.device.vector_env import DeviceEnv
+from mimoc.runtime.gymnasium_forms import RESET_MASK
 
 try:
     from rsl_rl.env import VecEnv

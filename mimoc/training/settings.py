@@ -8,6 +8,7 @@ from hashlib import sha256
 from types import MappingProxyType
 from typing import Any, Self, cast
 
+import numpy as np
 from gymnasium.spaces import Dict
 
 from mimoc.base.errors import TrainingError, UnknownNameError
@@ -192,6 +193,10 @@ class TrainingSettings:
         wanted = min(start_steps + self.checkpoint_every, max(self.steps, start_steps + 1))
         return -(-wanted // self.rollout_steps) * self.rollout_steps
 
+    def interval_seed(self, start_steps: int) -> int:
+        """Return the seed of the training interval that starts after *start_steps* control steps."""
+        return int(np.random.SeedSequence([self.seed, start_steps]).generate_state(1)[0]) // 2
+
     def data(self) -> dict[str, Any]:
         """Return the settings as a dictionary for JSON; the device only if it is not the CPU."""
         data = asdict(self)
@@ -231,11 +236,13 @@ def _flat(settings: TrainingSettings) -> dict[str, Any]:
 
 def check_envs(envs: int, device: str) -> None:
     """Raise a TrainingError if there are more infants than anyone has on the CPU, where they need memory and time."""
-    if device == CPU and envs > MOST_ON_CPU:
-        raise TrainingError(f"envs: expected at most {MOST_ON_CPU} on the CPU, got {envs}; give fewer, or a --device")
+    if device == CPU and envs > MAX_ENVS_ON_CPU:
+        raise TrainingError(
+            f"envs: expected at most {MAX_ENVS_ON_CPU} on the CPU, got {envs}; give fewer, or a --device"
+        )
 
 
-MOST_ON_CPU = 1024
+MAX_ENVS_ON_CPU = 1024
 
 
 MIN_IMAGE_PX = 36  # Smallest image that Stable-Baselines3's convolutional network accepts.

@@ -1,4 +1,4 @@
-"""Where the progress of a training goes: its curve, TensorBoard and, if asked for, Weights & Biases and MLflow."""
+"""Where the progress of a training goes: TensorBoard and, if asked for, Weights & Biases and MLflow; warnings."""
 
 import os
 import warnings
@@ -7,17 +7,13 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy.typing as npt
-from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import KVWriter, Logger
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_unlinked, make_folder
-from mimoc.training.checkpoint import Progress
-from mimoc.training.curve import Curve, CurvePoint, FinishedEpisode, UnfinishedEpisode, summarize
 
 TENSORBOARD = "tensorboard"  # Folder of a training run with TensorBoard's files.
 ASKED_BY = {"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}
@@ -138,56 +134,3 @@ class RewardWatch:
                 RuntimeWarning,
                 stacklevel=2,
             )
-
-
-class Recorder(BaseCallback):
-    """Callback that extends a learning curve during a training interval."""
-
-    def __init__(
-        self,
-        before: Progress,
-        step_s: float,
-        report: Callable[[int], None],
-        on_row: Callable[[CurvePoint], None],
-        watch: RewardWatch,
-    ):
-        """Continue the curve of earlier intervals; *report* gets the steps taken so far, *on_row* each new row."""
-        super().__init__()
-        self._before, self._step_s, self._report = before, step_s, report
-        self._on_row, self._watch = on_row, watch
-        self._rows: list[CurvePoint] = []
-        self._ended: list[FinishedEpisode] = []
-        self._row_start, self._start_s = before.steps, perf_counter()
-
-    def _on_step(self) -> bool:
-        for info in self.locals["infos"]:
-            if (episode := info.get("episode")) is not None:
-                self._ended.append(FinishedEpisode(float(episode["r"]), int(episode["l"]), bool(info["is_success"])))
-        if not self._watch.ended:
-            self._watch(self._envs.get_original_reward())
-        self._report(self.num_timesteps)
-        if self.num_timesteps - self._row_start >= ROW_STEPS:
-            self._end_row()
-        return True
-
-    def progress(self) -> Progress:
-        """Return the progress at the end of the interval, or where it was interrupted."""
-        if self.num_timesteps > self._row_start:
-            self._end_row()
-        steps = max(self.num_timesteps, self._before.steps)
-        return Progress(steps, self._wall_s(), Curve((*self._before.curve.rows, *self._rows)))
-
-    @property
-    def _envs(self) -> Any:
-        return self.training_env
-
-    def _end_row(self) -> None:
-        so_far = zip(self._envs.episode_returns, self._envs.episode_lengths, strict=True)
-        unfinished = [UnfinishedEpisode(float(reward), int(steps)) for reward, steps in so_far if steps]
-        row = summarize(self._ended, self.num_timesteps, self._step_s, self._wall_s(), unfinished)
-        self._rows.append(row)
-        self._ended, self._row_start = [], self.num_timesteps
-        self._on_row(row)
-
-    def _wall_s(self) -> float:
-        return round(self._before.wall_s + perf_counter() - self._start_s, 3)

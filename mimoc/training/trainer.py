@@ -18,21 +18,20 @@ from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.variants import Variant, Variants, WorldMaker, open_variant
 from mimoc.bundle.world import WorldBundle
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.compiler.worlds import world_of
 from mimoc.recording.folder import check_recordable
-from mimoc.render.plots.file import encode, require_matplotlib
-from mimoc.render.plots.plot import learning_sheet
-from mimoc.runtime.batch.gymnasium_forms import check_mixture
-from mimoc.runtime.batch.vector_env import infants_of
+from mimoc.render.plots import encode, learning_sheet, require_matplotlib
+from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.gymnasium_forms import check_mixture
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.world import WorldPlan
+from mimoc.training.agents import sb3_learner
 from mimoc.training.checkpoint import Progress, read_progress
 from mimoc.training.curve import Curve, CurvePoint, DeviceUse
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.sb3_learner import sb3_learner
 from mimoc.training.settings import CPU, Number, TrainingSettings, check_learnable, episode_limit
 from mimoc.training.tracking import tracked
 from mimoc.training.vector_env import growth_of, growth_settings, normalized, rows_together
@@ -108,14 +107,6 @@ ONLY_ON_CPU = {
     "threads": "threads are for infants on the CPU; leave out --threads, or --device",
     "processes": "processes are for infants on the CPU; leave out --processes and --one-process, or --device",
 }
-
-
-def refuse_in_world(device: str, processes: bool | None) -> None:
-    """Check that nothing is asked for that worlds of several infants cannot have in a training."""
-    if device != CPU:
-        raise TrainingError("worlds with several infants are simulated on the CPU; leave out --device")
-    if processes is not None:
-        raise TrainingError("worlds of a training are in one process; leave out --processes and --one-process")
 
 
 def refuse_on_device(device: str, **options: Any) -> None:
@@ -242,7 +233,10 @@ def train(
     refuse_on_device(device, grow=grow, record=record, threads=threads, processes=processes)
     world = world_of(source)
     if world:
-        refuse_in_world(device, processes)
+        if device != CPU:
+            raise TrainingError("worlds with several infants are simulated on the CPU; leave out --device")
+        if processes is not None:
+            raise TrainingError("worlds of a training are in one process; leave out --processes and --one-process")
         envs = -(-envs // len(world.infants)) * len(world.infants)
     objects = {f"senses.{name}": sense for name, sense in (senses or {}).items()}
     objects |= {} if task is None else {"task": task}
@@ -250,7 +244,7 @@ def train(
     growth = growth_settings(grow, schedule, grow_steps, steps)
     choose = partial(TrainingSettings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     choose(steps_per_episode, device)  # Fails now if a setting is out of range.
-    bundle = world or pipeline.compiled(cast("Bundle", source))
+    bundle = world or building.compiled(cast("Bundle", source))
     if isinstance(bundle, WorldBundle):
         open_one: Any = partial(open_world_copy, bundle, task, senses or {})
     else:
@@ -263,7 +257,11 @@ def train(
         check_mixture(infants)
         infant = min(infants, key=lambda one: one.max_steps or math.inf)
         settings = choose(episode_limit(infant, steps_per_episode), device)
-        _check_recordable(record, processes, [bundle] * (settings.envs // len(infants)))
+        if record is not None:
+            if processes is not None:
+                advice = "leave out --processes and --one-process, or the recording"
+                raise TrainingError(f"a training is recorded with all environments together; {advice}")
+            check_recordable(Path(record).expanduser(), [bundle] * (settings.envs // len(infants)))
         open_learner = choose_learner(settings, infant, bundle, open_one, threads, processes, record)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
             run = Run(folder, settings, progress or (lambda *steps: None), on_row or (lambda row: None))
@@ -309,7 +307,7 @@ def train_together(
     runs, infants, openers = list[Run](), list[InfantEnv](), list[Callable[..., InfantEnv]]()
     with ExitStack() as opened:
         for number, job in enumerate(jobs):
-            bundle = pipeline.compiled(job.source)
+            bundle = building.compiled(job.source)
             openers.append(partial(open_copy, open_variant(bundle)))
             infants.append(opened.enter_context(closing(openers[-1]())))
             check_learnable(infants[-1])
@@ -328,15 +326,6 @@ def train_together(
             return device_learners(chosen, [infants[place] for place in places], [openers[place] for place in places])
 
         return train_to_end(runs, open_learners)
-
-
-def _check_recordable(folder: str | Path | None, processes: bool | None, bundles: Sequence[Any]) -> None:
-    if folder is None:
-        return
-    if processes is not None:
-        advice = "leave out --processes and --one-process, or the recording"
-        raise TrainingError(f"a training is recorded with all environments together; {advice}")
-    check_recordable(Path(folder).expanduser(), bundles)
 
 
 def open_copy(

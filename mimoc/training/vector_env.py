@@ -25,12 +25,12 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 from mimoc.base.errors import TrainingError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.world import WorldBundle
-from mimoc.compiler.world_variants import WorldBundleVariants
-from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.compiler.variants import WorldBundleVariants
+from mimoc.runtime.batch_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growth_wrapper import GrowthSchedule, GrowthWrapper, growth_schedule, read_ages
-from mimoc.runtime.opening.environments import BundleVariants
+from mimoc.runtime.opening import BundleVariants
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.training.settings import TrainingSettings
 

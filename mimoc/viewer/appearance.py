@@ -14,8 +14,7 @@ from trimesh import creation
 from mimoc.base.errors import MimocError
 from mimoc.base.geometry.meshes import STEP_M
 from mimoc.base.mujoco_layout import LAST_VISIBLE_GROUP, SOLIDS_GROUP
-from mimoc.bundle.face import MOVING, array_of
-from mimoc.bundle.variants import Variant
+from mimoc.bundle.variants import MOVING, Variant, array_of
 from mimoc.viewer.encoding import Places
 from mimoc.viewer.growth import IntArray, Own, own_parts
 

@@ -12,15 +12,15 @@ import numpy.typing as npt
 
 from mimoc.base.errors import MimocError
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build
 from mimoc.compiler.variants import spec_of
 from mimoc.motion.labels import BONES
 from mimoc.movement.retargeting.folder import is_retargeted, read_retargeted
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.replaying import chosen_episodes, replay_recording
 from mimoc.recording.video import SMALL, Mp4
-from mimoc.runtime.expression import expression_of
 from mimoc.runtime.infant import Infant
+from mimoc.runtime.model_fields import expression_of
 from mimoc.runtime.sense import Observation
 from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.encoding import EncodedArrays

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
 
 def register_formatters() -> None:
-    """Let notebooks show a bundle as a picture with its measures; outside of IPython this does nothing."""
-    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    """Let IPython show a bundle as a picture with its measures, if a shell of it runs."""
+    shell = sys.modules["IPython"].get_ipython()
     if shell is not None:
         shell.display_formatter.formatters["text/html"].for_type_by_name("mimoc.bundle.io", "Bundle", bundle_html)
 

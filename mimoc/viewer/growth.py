@@ -13,9 +13,9 @@ from mimoc.base.errors import MimocError
 from mimoc.bundle.manifest import ChildEntry, Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
-from mimoc.fits.who import percentile
-from mimoc.render.plots.plot import Line
-from mimoc.runtime.senses import bind_sense
+from mimoc.fits.standards import percentile
+from mimoc.render.plots import Line
+from mimoc.runtime.sense import bind_sense
 from mimoc.studies.growth_plots import PERCENTILES, who_chart
 from mimoc.viewer.encoding import Places
 
@@ -138,7 +138,7 @@ def posed(variant: Variant) -> mujoco.MjData:
     return data
 
 
-SHOWN = ("length_cm", "weight_kg", "head_circumference_cm")
+MEASURES = ("length_cm", "weight_kg", "head_circumference_cm")
 
 
 def describe_standards(children: Sequence[ChildEntry]) -> dict[str, Any]:
@@ -149,7 +149,7 @@ def describe_standards(children: Sequence[ChildEntry]) -> dict[str, Any]:
     reference, is_known = children[0].sex or "mean", children[0].size_is_known
     ages_months = [child.age_months for child in children]
     charts = {}
-    for name in SHOWN:
+    for name in MEASURES:
         values, standard = [getattr(child, name) for child in children], fits.load_tables().who[name]
         scores = [standard.z_score(value, age, reference) for value, age in zip(values, ages_months, strict=True)]
         chart = who_chart(name, reference) if is_known else replace(who_chart(name, reference), bands=(), lines=())

@@ -18,7 +18,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.bundle.world import WorldBundle, load_world_model
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build
 from mimoc.compiler.variants import SpecVariants, spec_of
 from mimoc.runtime.infant import Infant
 from mimoc.schema.infant import InfantSpec
@@ -254,13 +254,13 @@ def page_of_world(world: WorldBundle, progress: Progress = lambda done, total: N
 def page_of_infants(name: str, infants: Mapping[str, Infant], progress: Progress = lambda done, total: None) -> str:
     """Return the page of the infants of an environment as they are now; see `page_of_world`.
 
-    Of more than `MOST_SHOWN`, it shows the first ones.
+    Of more than `MAX_SHOWN`, it shows the first ones.
     """
-    shown = {called: (one.bundle, one.model, one.data) for called, one in [*infants.items()][:MOST_SHOWN]}
+    shown = {called: (one.bundle, one.model, one.data) for called, one in [*infants.items()][:MAX_SHOWN]}
     return _page(name, shown, progress, is_now=True)
 
 
-MOST_SHOWN = 8  # Infants of a vector environment that a page shows.
+MAX_SHOWN = 8  # Infants of a vector environment that a page shows.
 
 
 def _page(

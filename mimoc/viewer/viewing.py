@@ -13,9 +13,9 @@ from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.world import WorldBundle
-from mimoc.compiler.pipeline import compiled
+from mimoc.compiler.building import compiled
 from mimoc.compiler.worlds import world_of
-from mimoc.runtime.batch.vector_env import BatchEnv, infants_of
+from mimoc.runtime.batch_env import BatchEnv, infants_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec

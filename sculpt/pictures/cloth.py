@@ -100,7 +100,7 @@ STROKES = 4200
 SEED = 7
 COLOURS = 16
 FIRST = 0.16
-"""Height at which the lowest strokes end: that of `CLEAR` in `mimoc.compiler.looks.skin.head`, within its margins."""
+"""Height at which the lowest strokes end: that of `CLEAR` in `mimoc.compiler.looks.head`, within its margins."""
 GROUND = 0.78  # How much the skin between strokes is coloured at the top.
 
 

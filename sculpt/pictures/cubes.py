@@ -16,18 +16,12 @@ from mimoc.compiler.looks.pictures import Colour
 class Face:
     """One expression in the frontal view; lengths are in head radii, heights relative to the centre of the head."""
 
-    smile: float = 0.04
-    """Height of the corners of the mouth above its middle."""
-    opening: float = 0.0
-    """Half of the distance between the lips."""
-    mouth_width: float = 0.15
-    """Half of the mouth's width."""
-    mouth_height: float = -0.50
-    """Height of the middle of the mouth."""
-    brow_height: float = 0.165
-    """Height of the middle of the brows."""
-    brow_tilt: float = -0.01
-    """Height of the outer end of a brow above its middle."""
+    smile: float = 0.04  # Height of the corners of the mouth above its middle.
+    opening: float = 0.0  # Half of the distance between the lips.
+    mouth_width: float = 0.15  # Half of the mouth's width.
+    mouth_height: float = -0.50  # Height of the middle of the mouth.
+    brow_height: float = 0.165  # Height of the middle of the brows.
+    brow_tilt: float = -0.01  # Height of the outer end of a brow above its middle.
 
 
 FACES = {

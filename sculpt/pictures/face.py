@@ -6,13 +6,12 @@ import numpy as np
 from faces import MESHED, SHAPES
 from fields import Array
 from head import LID, MOUTH_HALF, Head, folded, lip_tubes, opening
-from head_mesh import wrapped
-from mouth import PATCH
+from head_mesh import PATCH, wrapped
 from pictures.cubes import BLUSH, HAIR, INSIDE, LIP, SKIN, over as laid_over, within
 from pictures.inks import Painted, ink, mixed, plain, with_palette
 from scipy.ndimage import distance_transform_edt
 
-from mimoc.compiler.looks.skin.template_mesh import template_mesh
+from mimoc.compiler.looks.sculpture import template_mesh
 
 FACE_PX = 320  # Sides of the picture of a face.
 COLOURS = 128
@@ -26,22 +25,14 @@ LID_RIM = mixed(lip=0.3, blush=0.2, skin=0.5)
 class Paint:
     """What differs between the pictures of expressions; shares of inks, 0 to 1. All are by eye (D)."""
 
-    cheeks: float = 0.34
-    """Redness of the cheeks."""
-    face: float = 0.0
-    """Redness of the whole face."""
-    eyes: float = 0.0
-    """Redness around the eyes."""
-    brows: float = 0.50
-    """Strength of the brows."""
-    frown: float = 0.0
-    """Of the folds between the brows."""
-    nose: float = 0.0
-    """Of the folds beside the nose."""
-    lids: float = 0.85
-    """Of the lashes."""
-    lash_mm: float = 0.75
-    """Breadth of the upper lashes."""
+    cheeks: float = 0.34  # Redness of the cheeks.
+    face: float = 0.0  # Redness of the whole face.
+    eyes: float = 0.0  # Redness around the eyes.
+    brows: float = 0.50  # Strength of the brows.
+    frown: float = 0.0  # Of the folds between the brows.
+    nose: float = 0.0  # Of the folds beside the nose.
+    lids: float = 0.85  # Of the lashes.
+    lash_mm: float = 0.75  # Breadth of the upper lashes.
 
 
 PAINTS = {
@@ -62,11 +53,9 @@ PAINTS = {
 class Canvas:
     """The places on the head that the texels of a picture show, folded onto its right side."""
 
-    places: Array
-    """Shape (rows, columns, 3)."""
+    places: Array  # Shape (rows, columns, 3).
     head: Head
-    image: Array = field(repr=False)
-    """Mixtures of inks, shape (rows, columns, inks)."""
+    image: Array = field(repr=False)  # Mixtures of inks, shape (rows, columns, inks).
 
     def near(self, place: tuple[float, float, float], size: tuple[float, float, float]) -> Array:
         """Return 1 at a place, given with y positive, and less and less around it, shape (rows, columns)."""

@@ -34,10 +34,8 @@ DEFAULT = inks_of(LooksSpec(), "shirt_and_trousers")
 class Painted:
     """A picture with a palette of mixtures."""
 
-    png: bytes
-    """In the default colours."""
-    mixtures: npt.NDArray[np.uint8]
-    """Amounts of inks in each colour of the palette, shape (colours, inks)."""
+    png: bytes  # In the default colours.
+    mixtures: npt.NDArray[np.uint8]  # Amounts of inks in each colour of the palette, shape (colours, inks).
 
 
 def ink(name: str) -> FloatArray:

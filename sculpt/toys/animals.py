@@ -5,7 +5,7 @@ import math
 from toys.shaping import ball, board, egg, flatten_below, lathe, move, pair, ring, rod, small_ball, tube, turn
 from toys.solids import PLUSH, THIN_SHELL, block, capsule, cylinder, ellipsoid, sphere
 
-from mimoc.compiler.toys.shape import Looks, Mesh, Solid, ToyModel, assemble
+from mimoc.compiler.toys import Looks, Mesh, Solid, ToyModel, assemble
 
 
 def bunny() -> ToyModel:

@@ -6,7 +6,7 @@ import numpy as np
 from toys.shaping import ball, box, egg, lathe, loft, move, plate, ring, rod, tube, turn
 from toys.solids import THIN_SHELL, WOOD, capsule, cylinder, ellipsoid, hoop, sphere
 
-from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys import Looks, Mesh, ToyModel, assemble
 
 MANY = 24  # Corners of circles that are seen from close up.
 

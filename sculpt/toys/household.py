@@ -3,7 +3,7 @@
 from toys.shaping import Outline, box, lathe, rod, tube
 from toys.solids import FELT, PLUSH, POLYPROPYLENE, SHELL, WOOD, block, capsule, cylinder, wall
 
-from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys import Looks, Mesh, ToyModel, assemble
 
 MANY = 24  # Corners of circles that are seen from close up.
 

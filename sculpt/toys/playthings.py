@@ -5,7 +5,7 @@ import math
 from toys.shaping import ball as globe, box, lathe, loft, move, pair, ring, rod, small_ball, turn
 from toys.solids import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD, block, capsule, cylinder, hoop, sphere
 
-from mimoc.compiler.toys.shape import Looks, Mesh, ToyModel, assemble
+from mimoc.compiler.toys import Looks, Mesh, ToyModel, assemble
 
 MANY = 24  # Corners of circles that are seen from close up.
 

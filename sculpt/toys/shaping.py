@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.geometry.rotations import FloatArray, Vec3, matrix_from_axis
-from mimoc.compiler.toys.shape import IntArray, Mesh
+from mimoc.compiler.toys import IntArray, Mesh
 
 
 def move(mesh: Mesh, by: Vec3) -> Mesh:

@@ -11,7 +11,7 @@ from mimoc.base.geometry.rotations import (
     quaternion_from_axis,
     quaternion_product,
 )
-from mimoc.compiler.toys.shape import UPRIGHT, Solid
+from mimoc.compiler.toys import UPRIGHT, Solid
 
 WOOD = 620.0
 """Paper birch at 12 % moisture: specific gravity 0.55, and the water (USDA Wood Handbook 2010, table 5-3b)."""

@@ -4,7 +4,7 @@ from toys.shaping import board, box, egg, frustum, lathe, loft, move, pair, plat
 from toys.solids import SHELL, WOOD, block, capsule, sphere
 
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.compiler.toys.shape import Looks, Mesh, Solid, ToyModel, assemble
+from mimoc.compiler.toys import Looks, Mesh, Solid, ToyModel, assemble
 
 
 def wheels(

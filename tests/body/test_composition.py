@@ -10,7 +10,7 @@ from mimoc.body.grow import grow_body
 from mimoc.body.maturation import EYES, HAND, NECK
 from mimoc.body.strength import STRENGTH
 from mimoc.compiler.explain import explain
-from mimoc.fits import fat
+from mimoc.fits.standards import mean_fat_percent
 from mimoc.schema.infant import InfantSpec
 
 AGES = st.floats(0, 24).map(lambda months: round(months, 1))
@@ -36,7 +36,7 @@ def groups(grown_body) -> dict[str, str]:
 @settings(max_examples=10)
 def test_a_child_of_average_rate_and_fat_is_the_average_child(age_months):
     assert grown(age_months, maturation_rate=1.0).tree == grown(age_months).tree
-    percent = fat.mean_percent(age_months)
+    percent = mean_fat_percent(age_months)
     assert gears(grown(age_months, fat_percent=percent)) == gears(grown(age_months))
 
 
@@ -96,8 +96,8 @@ def test_the_heavier_of_two_children_of_one_length_is_stronger_but_less_than_wha
 
 def test_newborns_have_the_fat_that_was_measured():
     """87 newborns of three days (Roggero et al. 2009)."""
-    assert fat.mean_percent(0) == 8.6
-    assert fat.mean_percent(6) == 25.9
+    assert mean_fat_percent(0) == 8.6
+    assert mean_fat_percent(6) == 25.9
 
 
 def test_a_newborns_excess_weight_is_mostly_lean_and_that_of_infants_is_more_fat():
@@ -105,7 +105,7 @@ def test_a_newborns_excess_weight_is_mostly_lean_and_that_of_infants_is_more_fat
 
     def lean_share(age_months):
         by_volume = 1.01  # A child 1 % heavier than its length asks for, whose share of fat is 1 % larger.
-        usual = fat.mean_percent(age_months) / 100
+        usual = mean_fat_percent(age_months) / 100
         return (by_volume * (1 - usual * by_volume) - (1 - usual)) / (by_volume - 1)
 
     assert lean_share(0) == pytest.approx(0.342 / 0.463, abs=0.1)

@@ -15,10 +15,10 @@ from mimoc.compiler.child import child_of
 from mimoc.compiler.explain import entries_of
 from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import load_tables
-from mimoc.fits.fat import mean_percent
+from mimoc.fits.standards import mean_fat_percent
 from mimoc.schema.names import REGIONS, place_of
-from mimoc.studies.milestones.infant import Conditions, compile_at, slackened
-from mimoc.studies.movement.pendulum import THIGHS_LEVEL_DEG, swing
+from mimoc.studies.milestones.trial import Conditions, compile_at, slackened
+from mimoc.studies.movement.posture import THIGHS_LEVEL_DEG, swing
 
 
 def infant(age_months=9.0, actuation=None, **impairments) -> mimoc.InfantSpec:
@@ -185,7 +185,7 @@ def test_a_child_born_early_is_fatter_at_term():
     """By 3 % of its weight (Johnson et al. 2012); strength goes with what is lean."""
     early = infant(gestation_weeks=30)
     grown = grow_body(early.with_(age_months=early.months_early + 1e-9)).tree.growth
-    usual = mean_percent(0)
+    usual = mean_fat_percent(0)
     assert grown.lean_gain == pytest.approx((100 - usual - 3) / (100 - usual), abs=1e-4)
     assert grown.lean_keys == ("spec.impairments.gestation_weeks",)
     assert grow_body(early.with_(age_months=early.months_early + 3.01)).tree.growth.lean_gain == 1

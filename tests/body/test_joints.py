@@ -8,7 +8,7 @@ from support.full import full_but
 import mimoc
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_body
-from mimoc.body.joints import LARGEST_SHARE, TAU_S
+from mimoc.body.joints import MAX_MARGIN_SHARE, TAU_S
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import entries_of
 from mimoc.schema import InfantSpec
@@ -111,7 +111,7 @@ def test_limits_of_maturing_joints_act_at_most_a_quarter_of_the_range_before_its
     model = infant(step_ms)
     hinges = model.jnt_type == HINGE
     assert (model.jnt_solref[hinges] == (TAU_S, 1)).all()
-    assert (model.jnt_margin[hinges] <= LARGEST_SHARE * np.ptp(model.jnt_range[hinges], axis=1) + 1e-8).all()
+    assert (model.jnt_margin[hinges] <= MAX_MARGIN_SHARE * np.ptp(model.jnt_range[hinges], axis=1) + 1e-8).all()
 
 
 def test_limits_of_faster_joints_act_earlier_whatever_the_physics_step():

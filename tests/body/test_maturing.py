@@ -12,7 +12,7 @@ from support.segment_masses import by_volume
 import mimoc
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_average, grow_tree
-from mimoc.body.joints import LEAST_ARMATURE_KGM2, NEWBORN_FIST_DEG, RELAXED
+from mimoc.body.joints import MIN_ARMATURE_KGM2, NEWBORN_FIST_DEG, RELAXED
 from mimoc.body.maturation import FINGERS, Decay
 from mimoc.compiler.measuring import compile_infant
 from mimoc.fits import measure
@@ -63,7 +63,7 @@ def test_at_18_months_joints_that_do_not_swing_are_mimos_but_for_eyes_fingers_to
         assert (ours.range_deg, ours.springref_deg) == (mimos.range_deg, mimos.springref_deg), name
         for attribute in ("stiffness_nm_per_rad", "damping_nms_per_rad"):
             assert getattr(ours, attribute) == getattr(mimos, attribute), name
-        assert ours.armature_kgm2 == max(mimos.armature_kgm2, LEAST_ARMATURE_KGM2), name
+        assert ours.armature_kgm2 == max(mimos.armature_kgm2, MIN_ARMATURE_KGM2), name
 
 
 @pytest.mark.parametrize("age_months", [0, 3, 6, 18])

@@ -11,8 +11,7 @@ from support.start_poses import DEPTH_M, MOVED_M, held_dofs, rests, spec_of
 import mimoc
 from mimoc.body.poses import POSES
 from mimoc.bundle.model import load_model
-from mimoc.compiler.building import builder
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build, builder
 
 BODIES = [(0, "mitten"), (0.6, "mitten"), (6, "mitten"), (18, "mitten"), (0, "five_finger"), (3, "five_finger")]
 CHILDREN = [

@@ -4,7 +4,7 @@ import pytest
 
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_body, grow_tree
-from mimoc.body.strength import AGE_KEY, STRENGTH, STRENGTH_KEY
+from mimoc.body.strength import STRENGTH, STRENGTH_AGE_KEY, STRENGTH_KEY
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
@@ -124,9 +124,9 @@ def test_age_groups_and_thicker_limbs_multiply():
 def test_a_motor_says_which_keys_made_it_stronger():
     tree = child({"strength_age_months": 18, "strength": {"arms": 2, "left_arm": 3}})
     keys = {motor.name: [key for key, _ in motor.factors] for motor in tree.motors}
-    assert keys["act:left_elbow"] == [f"{STRENGTH_KEY}.left_arm", AGE_KEY]
-    assert keys["act:right_elbow"] == [f"{STRENGTH_KEY}.arms", AGE_KEY]
-    assert keys["act:head_tilt"] == [AGE_KEY]
+    assert keys["act:left_elbow"] == [f"{STRENGTH_KEY}.left_arm", STRENGTH_AGE_KEY]
+    assert keys["act:right_elbow"] == [f"{STRENGTH_KEY}.arms", STRENGTH_AGE_KEY]
+    assert keys["act:head_tilt"] == [STRENGTH_AGE_KEY]
 
 
 def test_a_body_without_limbs_can_be_strong():

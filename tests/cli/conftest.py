@@ -11,7 +11,6 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory) -> Path:
-    """Return the folder of a bundle, which is only to be read."""
     compiled = mimoc.build(mimoc.load_spec(CONFIGS / "nine_months.yaml"))
     return mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "nine_months")
 

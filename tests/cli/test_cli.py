@@ -12,9 +12,8 @@ from support.full import full_rows
 
 import mimoc
 from mimoc.bundle.io import LOCK, lock_files
-from mimoc.studies import growth
-from mimoc.studies.movement import report as movement
-from mimoc.studies.movement.report import TRIALS
+from mimoc.studies import growth, movement
+from mimoc.studies.movement import TRIALS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SPEC = str(CONFIGS / "nine_months.yaml")
@@ -211,102 +210,67 @@ def test_import_writes_a_spec_and_lists_settings_without_counterpart(invoke, her
 
 # Bad input.
 
-BAD_INPUT = {
-    "a bad spec": ("build bad.yaml -o new", "bad.yaml:3:13: age_months: "),
-    "a task for another body": (
-        "build handless.yaml -o new",
-        "handless.yaml:5:14: task.kind: task 'reach' requires right_fingers",
-    ),
-    "a missing spec": ("build nowhere.yaml -o new", "nowhere.yaml:1:1: the file does not exist"),
-    "a spec that is a folder": ("build folder -o new", "folder:1:1: "),
-    "no spec": ("build -o new", "Missing argument 'SPEC'"),
-    "no place to write to": (f"build {SPEC}", "Missing option '-o'"),
-    "a file to write to": (f"build {SPEC} -o bad.yaml", "bad.yaml: this is a file"),
-    "a folder to write to that is something else": (f"build {SPEC} -o folder", "folder: this folder is not a bundle"),
-    "a place under a file": (f"build {SPEC} -o bad.yaml/new", "bad.yaml/new: cannot be written"),
-    "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
-    "an unknown standard": (
-        "validate --against cdc",
-        "'cdc' is not a comparison; choose from anthrokids, milestones, movement, skills, who",
-    ),
-    "ages for what has none": (
-        "validate --against who --ages 1",
-        "only movements are tried at ages of choice; use it with --against movement",
-    ),
-    "milestones beside a child that there is not": (
-        "validate --against milestones one.yaml --beside helthy",
-        "'helthy' is not a child to stand beside; did you mean 'healthy'?",
-    ),
-    "milestones beside the same child": (
-        "validate --against milestones one.yaml --beside healthy",
-        "nothing impairs this child; give it impairments, or leave --beside out",
-    ),
-    "growth beside another child": (
-        "validate --against who --beside healthy",
-        "only who tries stands beside another child; use --against milestones or movement",
-    ),
-    "a run beside the child of no spec": ("run nowhere --beside healthy", "nowhere: --beside changes the spec"),
-    "a page beside the child of no spec": (
-        "report folder -o x.html --beside healthy",
-        "folder: 'beside' changes the spec",
-    ),
-    "movement of a filmed infant beside another": (
-        "movement folder --beside healthy",
-        "--beside is for an infant that is simulated; name a spec or a bundle, and its --policy",
-    ),
-    "ages in words": ("validate --against movement --ages old", "'old' is not a list of ages"),
-    "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
-    "a plot into a missing folder": ("validate one.yaml --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
-    "no bundle": ("run nowhere", "nowhere: there is no such folder"),
-    "a folder that is no bundle": ("check folder", "folder: this is not a bundle"),
-    "a file for a bundle": (
-        "explain folder/thesis.tex body.head.mass",
-        "folder/thesis.tex: this is a file; name the folder",
-    ),
-    "a damaged bundle": ("run damaged", "damaged: infant.xml was changed"),
-    "a bundle that lacks a file": ("check lacking", "lacking: scene.xml is missing"),
-    "an unknown policy": ("run out --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
-    "an empty range of seeds": (
-        "rooms configs/playroom.yaml --seeds 7:7 -o rooms.png",
-        "'7:7' is a range of 0 seeds; give 1 to 400",
-    ),
-    "seeds in words": ("rooms configs/playroom.yaml --seeds many -o rooms.png", "'many' is not a range of seeds"),
-    "no steps": ("run out --steps 0", "'--steps'"),
-    "steps that are no number": ("run out --steps many", "'--steps'"),
-    "a seed below zero": ("run out --seed -1", "'--seed'"),
-    "a misspelt number": ("explain out body.left_fot.mass", "did you mean 'body.left_foot.mass'"),
-    "an unknown number": ("explain out xyzzy", "without one, `mimoc explain` lists them all"),
-    "a bad spec for a bundle": ("run bad.yaml", "bad.yaml:3:13: age_months: "),
-    "a picture in no format": ("render out -o x.doc", "end it in .png, .jpg, "),
-    "a view in no format": ("see out -o x", "end it in .png, .jpg, "),
-    "rooms in no format": ("rooms out -o x.mp3", "end it in .png, .jpg, "),
-    "a plot in no format": ("validate --plot x.doc", "end it in .png, .svg, "),
-    "rooms where there is none": (
-        "rooms calm.yaml -o x.png",
-        "calm.yaml:4:15: scene.kind: 'crib' without toys is the same",
-    ),
-    "rooms of a bundle without one": (
-        "rooms out -o x.png",
-        "scene.kind: 'flat' without toys is the same for every seed",
-    ),
-    "an unknown pose": ("render out -o x.png --pose sit", "'sit' is not a pose; "),
-    "an unknown pose of several": ("render out out -o x.png --pose sit", "'sit' is not a pose; "),
-    "a transparent picture without opacity": ("render out -o x.jpg --transparent", "end its name in .png, .webp, "),
-    "a camera within the infant": ("render out -o x.png --distance 0", "'--distance'"),
-    "a picture into a missing folder": ("render out -o nowhere/x.png", "nowhere/x.png: cannot be written"),
-    "a picture over a folder": ("render out -o folder.png", "folder.png: cannot be written"),
-    "a skin that feels nothing": ("render out -o x.png --skin", "'nine_months' has no sense of touch"),
-    "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),
-    "an unknown format": ("import babybnch bad.yaml -o x.yaml", "'babybnch' is not a format to import from; did you"),
-    "no configuration": ("import babybench nowhere.yml -o x.yaml", "nowhere.yml:1:1: the file does not exist"),
-    "a bad configuration": (
-        "import babybench baby.yml -o x.yaml",
-        "baby.yml:1:8: touch: 'maybe' is not true or false;",
-    ),
-    "a spec over its configuration": ("import babybench calm.yml -o ./calm.yml", "calm.yml: this is the configuration"),
-    "a spec into a missing folder": ("import babybench calm.yml -o no/x.yaml", "no/x.yaml: cannot be written"),
-    "an unknown command": ("biuld", "No such command 'biuld'"),
-    "an unknown option": ("run out --step 3", "No such option: --step"),
+BAD_INPUT = {  # What is said, by the command.
+    "build bad.yaml -o new": "bad.yaml:3:13: age_months: ",
+    "build handless.yaml -o new": "handless.yaml:5:14: task.kind: task 'reach' requires right_fingers",
+    "build nowhere.yaml -o new": "nowhere.yaml:1:1: the file does not exist",
+    "build folder -o new": "folder:1:1: ",
+    "build -o new": "Missing argument 'SPEC'",
+    f"build {SPEC}": "Missing option '-o'",
+    f"build {SPEC} -o bad.yaml": "bad.yaml: this is a file",
+    f"build {SPEC} -o folder": "folder: this folder is not a bundle",
+    f"build {SPEC} -o bad.yaml/new": "bad.yaml/new: cannot be written",
+    f"build {SPEC} -o /proc/new": "/proc/new: cannot be written",
+    "validate --against cdc": "'cdc' is not a comparison; choose from anthrokids, milestones, movement, skills, who",
+    "validate --against who --ages 1": "only movements are tried at ages of choice; use it with --against movement",
+    "validate --against milestones one.yaml --beside helthy": "'helthy' is not a child to stand beside; did you mean "
+    "'healthy'?",
+    "validate --against milestones one.yaml --beside healthy": "nothing impairs this child; give it impairments, or "
+    "leave --beside out",
+    "validate --against who --beside healthy": "only who tries stands beside another child; use --against milestones "
+    "or movement",
+    "run nowhere --beside healthy": "nowhere: --beside changes the spec",
+    "report folder -o x.html --beside healthy": "folder: 'beside' changes the spec",
+    "movement folder --beside healthy": "--beside is for an infant that is simulated; name a spec or a bundle, and its "
+    "--policy",
+    "validate --against movement --ages old": "'old' is not a list of ages",
+    "validate nowhere.yaml": "nowhere.yaml:1:1: the file does not exist",
+    "validate one.yaml --plot nowhere/x.png": "nowhere/x.png: cannot be written",
+    "run nowhere": "nowhere: there is no such folder",
+    "check folder": "folder: this is not a bundle",
+    "explain folder/thesis.tex body.head.mass": "folder/thesis.tex: this is a file; name the folder",
+    "run damaged": "damaged: infant.xml was changed",
+    "check lacking": "lacking: scene.xml is missing",
+    "run out --policy zreo": "'zreo' is not a policy; did you mean 'zero'?",
+    "rooms configs/playroom.yaml --seeds 7:7 -o rooms.png": "'7:7' is a range of 0 seeds; give 1 to 400",
+    "rooms configs/playroom.yaml --seeds many -o rooms.png": "'many' is not a range of seeds",
+    "run out --steps 0": "'--steps'",
+    "run out --steps many": "'--steps'",
+    "run out --seed -1": "'--seed'",
+    "explain out body.left_fot.mass": "did you mean 'body.left_foot.mass'",
+    "explain out xyzzy": "without one, `mimoc explain` lists them all",
+    "run bad.yaml": "bad.yaml:3:13: age_months: ",
+    "render out -o x.doc": "end it in .png, .jpg, ",
+    "see out -o x": "end it in .png, .jpg, ",
+    "rooms out -o x.mp3": "end it in .png, .jpg, ",
+    "validate --plot x.doc": "end it in .png, .svg, ",
+    "rooms calm.yaml -o x.png": "calm.yaml:4:15: scene.kind: 'crib' without toys is the same",
+    "rooms out -o x.png": "scene.kind: 'flat' without toys is the same for every seed",
+    "render out -o x.png --pose sit": "'sit' is not a pose; ",
+    "render out out -o x.png --pose sit": "'sit' is not a pose; ",
+    "render out -o x.jpg --transparent": "end its name in .png, .webp, ",
+    "render out -o x.png --distance 0": "'--distance'",
+    "render out -o nowhere/x.png": "nowhere/x.png: cannot be written",
+    "render out -o folder.png": "folder.png: cannot be written",
+    "render out -o x.png --skin": "'nine_months' has no sense of touch",
+    "render out -o x.png --width 100000": "'--width'",
+    "import babybnch bad.yaml -o x.yaml": "'babybnch' is not a format to import from; did you",
+    "import babybench nowhere.yml -o x.yaml": "nowhere.yml:1:1: the file does not exist",
+    "import babybench baby.yml -o x.yaml": "baby.yml:1:8: touch: 'maybe' is not true or false;",
+    "import babybench calm.yml -o ./calm.yml": "calm.yml: this is the configuration",
+    "import babybench calm.yml -o no/x.yaml": "no/x.yaml: cannot be written",
+    "biuld": "No such command 'biuld'",
+    "run out --step 3": "No such option: --step",
 }
 
 
@@ -314,8 +278,10 @@ def everything_in(folder):
     return {path.relative_to(folder): path.is_file() and path.read_bytes() for path in folder.rglob("*")}
 
 
-@pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built, one_age):
+@pytest.mark.parametrize(("command", "message"), BAD_INPUT.items())
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(
+    command, message, invoke, here, built, one_age
+):
     (here / "bad.yaml").write_text("mimoc: 1\nname: x\nage_months: 99\n")
     (here / "handless.yaml").write_text(
         "mimoc: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
@@ -327,7 +293,6 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     (here / "folder").mkdir()
     (here / "folder" / "thesis.tex").touch()
     (here / "folder.png").mkdir()
-    command, message = BAD_INPUT[case]
     for name in {"out", "damaged", "lacking"} & set(command.split()):
         shutil.copytree(built, here / name)
     if "damaged" in command:
@@ -341,7 +306,7 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     assert message in " ".join(done.err.replace("│", " ").split())
     assert "Traceback" not in done.err
     assert len(done.err.splitlines()) == 1 or done.err.startswith("Usage: ")
-    assert not done.out or case == "a plot into a missing folder"
+    assert not done.out or "--plot nowhere" in command
     assert everything_in(here) == before
 
 

@@ -17,7 +17,6 @@ SMALL = "--width 32 --height 24"
 
 @pytest.fixture
 def run(invoke, here):
-    """Return what runs a command in an empty folder, some text in its standard input."""
     return lambda arguments, piped="": invoke(*arguments.split(), piped=piped)
 
 
@@ -171,7 +170,6 @@ PAIR = "infants: [anna.yaml, ben.yaml]\n"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Return a folder with a world's file, and its bundle in `out`."""
     folder = tmp_path_factory.mktemp("world")
     mimoc.write_bundle(mimoc.build_world(written(folder, PAIR, anna=ANNA, ben=BEN)), folder / "out")
     return folder

@@ -6,13 +6,12 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc.policies import random
+from mimoc.policies.named import policy_of
 from mimoc.schema.kinds import PolicyKind
 
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory) -> Path:
-    """Return the folder of a bundle, which is only to be read."""
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}}
     compiled = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     return mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "infant")
@@ -42,7 +41,7 @@ def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
         ("--video film.gif --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
     ],
 )
-def test_bad_input_ends_in_exit_code_2_with_one_line_and_nothing_written(options, message, run, tmp_path):
+def test_a_bad_film_ends_in_exit_code_2_with_one_line_and_nothing_written(options, message, run, tmp_path):
     code, out, err = run(f"--steps 1000000000 {options}")
     assert (code, out, len(err.splitlines())) == (2, "", 1)
     assert err.startswith(message)
@@ -58,7 +57,7 @@ def test_without_pyav_an_mp4_is_one_clear_line(run, tmp_path, monkeypatch):
 
 def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, registered):
     def stopping(env):
-        act, taken = random.bind(env), iter(range(12))
+        act, taken = policy_of(env, "random"), iter(range(12))
         return lambda *seen: act(*seen) if next(taken, None) is not None else (_ for _ in ()).throw(KeyboardInterrupt)
 
     with registered(PolicyKind("stopping", "stops after 12 steps", stopping)):

@@ -81,7 +81,6 @@ def built_result():
 
 @pytest.fixture(scope="module")
 def points(tmp_path_factory):
-    """Return the file of what a camera sees of a known motion, mirrored."""
     bundle = built({**SPEC, "senses": {"proprioception": {}}})
     motion, model = moved(bundle, 0.6), load_model(bundle)
     seen = film(model, motion.qpos, motion.rate_hz)

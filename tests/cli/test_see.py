@@ -20,8 +20,6 @@ def see(invoke, here):
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Return the folder of a bundle of an infant with some senses and without some limbs."""
-
     def write(name, **keys):
         spec = {"mimoc": 1, "name": name, "age_months": 9, "scene": {"pose": "sitting"}, **keys}
         compiled = mimoc.build(mimoc.InfantSpec.model_validate(spec))
@@ -125,12 +123,6 @@ def test_what_shows_nothing_is_said_in_one_note(see, blind, playing):
 def test_an_eye_that_an_infant_has_not_is_refused(see, built):
     code, _, err = see("-o seen.png", built("one_eyed", body={"remove": ["left_eye"]}))
     assert (code, err) == (2, "'eye_left' is not a camera of this infant; choose from eye_right\n")
-
-
-def test_the_help_has_an_example(see, blind):
-    code, out, _ = see("--help", blind)
-    assert code == 0
-    assert "Example: mimoc see out/nine_months -o seen.png" in " ".join(out.split())
 
 
 def test_ages_of_a_sheet_are_read_in_months():

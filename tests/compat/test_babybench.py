@@ -34,8 +34,6 @@ def imported(tmp_path, monkeypatch) -> Callable[[str], tuple[InfantSpec, list[st
 
 @pytest.fixture
 def refused(imported) -> Callable[[str], list[str]]:
-    """Return what gives the messages that a configuration is refused with."""
-
     def read(text: str) -> list[str]:
         with pytest.raises(SpecError) as caught:
             imported(text)

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.compiler import model_check, pipeline
+from mimoc.compiler import building, model_check
 from mimoc.render.portrait import portrait
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import InfantSpec
@@ -47,7 +47,7 @@ def variant(name: str) -> InfantSpec:
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
 def test_every_pose_of_a_config_satisfies_its_constraints(path):
-    bundle = pipeline.build(InfantSpec.model_validate(yaml.safe_load(path.read_text())))
+    bundle = building.build(InfantSpec.model_validate(yaml.safe_load(path.read_text())))
     model = model_check.compile_model(bundle.files)
     assert bundle.manifest.pose in bundle.manifest.poses
     assert [model.key(key).name for key in range(model.nkey)] == list(bundle.manifest.poses)
@@ -56,14 +56,14 @@ def test_every_pose_of_a_config_satisfies_its_constraints(path):
 
 @pytest.mark.parametrize("name", VARIANTS)
 def test_poses_in_which_what_is_kept_would_be_elsewhere_are_left_out(name):
-    bundle = pipeline.build(variant(name))
+    bundle = building.build(variant(name))
     model = model_check.compile_model(bundle.files)
     assert bundle.manifest.poses == VARIANTS[name][1]
     assert max(residual(model, key) for key in range(model.nkey)) < 1e-5
 
 
 def test_a_pose_that_is_left_out_is_refused_in_a_line():
-    bundle = pipeline.build(variant("held hip"))
+    bundle = building.build(variant("held hip"))
     message = "'prone' is not a pose for an infant with held bodies or locked joints; choose from sitting"
     with pytest.raises(UnknownNameError) as refused:
         InfantEnv(bundle).reset(options={"pose": "prone"})

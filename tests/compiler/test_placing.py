@@ -14,7 +14,7 @@ from mimoc.compiler import building, model_check
 from mimoc.compiler.mjcf.scene import SceneTree
 from mimoc.compiler.placing import SceneAssets, place_in_scene
 from mimoc.compiler.scenes import footprint, reachable_floor
-from mimoc.compiler.toys.placing import GAP_M
+from mimoc.compiler.toys import GAP_M
 
 SIX = {"count": [6, 6]}
 INFANTS = {0: "mitten", 9: "five_finger", 24: "mitten"}  # Age in months, and hands.

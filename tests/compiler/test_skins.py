@@ -10,9 +10,9 @@ import pytest
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder, sees_skin
-from mimoc.compiler.looks.skin import deformation as carrying
-from mimoc.compiler.looks.skin.deformation import layers_of
-from mimoc.compiler.mjcf.skin import single
+from mimoc.compiler.looks import skin as carrying
+from mimoc.compiler.looks.skin import layers_of
+from mimoc.compiler.mjcf.scene import single
 from mimoc.compiler.variants import SpecVariants, skin_at
 
 LAYERS = ["body", "shirt", "trousers", "head", "hair"]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.compiler.notes import unused_keys
+from mimoc.compiler.manifest import unused_keys
 from mimoc.schema import InfantSpec, read_spec, to_data
 from mimoc.schema.source import parse, read
 

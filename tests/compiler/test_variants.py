@@ -14,8 +14,7 @@ import mimoc
 from mimoc.base.errors import SpecError, UnknownNameError
 from mimoc.bundle.model import load_model
 from mimoc.bundle.world import load_world_model
-from mimoc.compiler.variants import SpecVariants, at_age
-from mimoc.compiler.world_variants import WorldBundleVariants, WorldVariants
+from mimoc.compiler.variants import SpecVariants, WorldBundleVariants, WorldVariants, at_age
 from mimoc.compiler.worlds import plan_world
 from mimoc.schema.infant import InfantSpec
 

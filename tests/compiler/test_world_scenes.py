@@ -10,8 +10,8 @@ from support.worlds import placed
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.bundle.world import START, WorldBundle, load_world_model
-from mimoc.compiler.world_variants import WorldBundleVariants
-from mimoc.runtime.opening.parallel import shared_world
+from mimoc.compiler.variants import WorldBundleVariants
+from mimoc.runtime.opening import shared_world
 
 SITTING: dict[str, Any] = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"pose": "sitting"}}
 PAIR = {"anna": SITTING, "ben": {**SITTING, "age_months": 7}}

@@ -21,7 +21,7 @@ from support.same import assert_same
 
 import mimoc
 from mimoc.movement.filming import film_recording
-from mimoc.runtime.expression import expression_of
+from mimoc.runtime.model_fields import expression_of
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "environments.md"
 Fact = Callable[[Kind, Path], None]  # States what is true of a kind of environments; it may write into a folder.
@@ -213,8 +213,6 @@ def is_pickled(kind: Kind, folder: Path) -> None:
 
 @dataclass(frozen=True)
 class High(mimoc.Term):
-    """The height of a body is the reward."""
-
     body: int
 
     def __call__(self, worlds: Any, action: Any, memory: Any) -> mimoc.Judgement:
@@ -228,8 +226,6 @@ class HeadUp(mimoc.Task):
 
 @dataclass(frozen=True)
 class Heights(mimoc.Term):
-    """The heights of some bodies."""
-
     bodies: np.ndarray
 
     def __call__(self, worlds: Any, *rest: Any) -> Any:
@@ -244,8 +240,6 @@ class Height:
 
 
 class Lift(mimoc.Companion):
-    """Pulls the infant up with twice its weight."""
-
     def bind(self, model: Any, bundle: Any, generator: np.random.Generator) -> None:
         self.root = model.body(bundle.manifest.root_body).id
         self.force_n = 2 * 9.81 * float(model.body_subtreemass[self.root])
@@ -511,8 +505,6 @@ def is_trained(kind: Kind, folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Capability:
-    """Something that can be done with an environment."""
-
     about: str  # What it is, as the table says it.
     fact: Fact
     names: str = ""  # Methods and attributes of environments that it uses.
@@ -647,7 +639,6 @@ def all_capabilities() -> list[Capability]:
 
 
 def names_of(kind: Kind) -> set[str]:
-    """Return the methods and attributes that a kind of environments has a use for."""
     return {name for capability in all_capabilities() if capability.has(kind) for name in capability.names.split()}
 
 
@@ -657,7 +648,6 @@ def functions_of(kind: Kind) -> set[str]:
 
 
 def table() -> str:
-    """Return the table of the documentation, and below it why some kinds lack something."""
     lines, notes = [f"| | {' | '.join(kind.title for kind in ALL)} |", f"|---{'|:-:' * len(ALL)}|"], list[str]()
     for heading, group in CAPABILITIES.items():
         lines.append(f"| **{heading}** |{' |' * len(ALL)}")

@@ -84,7 +84,6 @@ class Driven:
         return len(self.infants)
 
     def grow(self, age_months: float) -> Rows:
-        """Let all infants have another age."""
         return self.rows(self.env.unwrapped.grow(age_months))
 
     def restore(self, state: Any) -> Rows:
@@ -92,8 +91,6 @@ class Driven:
 
 
 class DrivenWorld(Driven):
-    """A world."""
-
     @property
     def infants(self) -> list[Any]:
         return list(self.env.infants.values())
@@ -117,8 +114,6 @@ class DrivenWorld(Driven):
 
 
 class DrivenMany(Driven):
-    """A vector environment."""
-
     @property
     def infants(self) -> list[Any]:
         return list(self.env.unwrapped.infants)
@@ -145,8 +140,6 @@ class DrivenMany(Driven):
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A kind of environments."""
-
     name: str
     title: str  # Above its column of the table.
     made_by: str  # How it is made.

@@ -7,7 +7,7 @@ from contracts.capabilities import PAGE, PARTS, Capability, all_capabilities, na
 from contracts.kinds import KINDS, MANY, ON_DEVICE, ONE, WORLD, WORLDS, Kind
 
 import mimoc
-from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.runtime.batch_env import BatchEnv
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.world_env import WorldEnv
 

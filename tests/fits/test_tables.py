@@ -7,7 +7,7 @@ import pytest
 
 from mimoc.base.errors import DataError
 from mimoc.fits import load_tables, tables
-from mimoc.fits.who import SEXES
+from mimoc.fits.standards import SEXES
 
 FIRST_DAYS = {"length_cm": 0, "weight_kg": 0, "head_circumference_cm": 0, "arm_circumference_cm": 91}
 

@@ -6,7 +6,7 @@ from hypothesis import assume, given, strategies as st
 
 from mimoc.base.units import DAYS_PER_MONTH
 from mimoc.fits import load_tables
-from mimoc.fits.who import REFERENCES, SEXES, GrowthStandard, percentile
+from mimoc.fits.standards import REFERENCES, SEXES, GrowthStandard, percentile
 
 WHO = load_tables().who
 

@@ -25,7 +25,6 @@ def prepare(folder: Path) -> list[dict[str, bytes]]:
 
 
 def attempt(prepared: list[dict[str, bytes]], generator: np.random.Generator, folder: Path) -> None:
-    """Change one of them, open it, let the infant live, and now and then do what else can be done with a bundle."""
     files = spoiled(dict(pick(generator, prepared)), generator)
     bundle = write_resealed(files, folder / "bundle")
     env = mimoc.make(bundle)
@@ -64,13 +63,11 @@ OTHER_USES: tuple[Callable[[Path, Path], Any], ...] = (
 
 
 def _report(bundle: Path, page: Path) -> None:
-    """Write a report without its picture, which is tried by itself."""
     with patch("mimoc.studies.reporting.infant.introduce", lambda bundle: ((), ())):
         mimoc.report(bundle, page)
 
 
 def _page(bundle: mimoc.Bundle) -> str:
-    """Return the page of a growing infant, with fewer ages than usual."""
     with few_ages():
         return page_of(bundle)
 
@@ -99,10 +96,4 @@ def _spoil_file(files: dict[str, bytes], generator: np.random.Generator, *, is_a
         files[name] = changed_bytes(generator, files[name])
 
 
-FUZZER = Fuzzer(
-    name="bundles",
-    about="bundles of eight kinds, changed and sealed anew: manifest, MJCF, assets, arrays, specs",
-    prepare=prepare,
-    attempt=attempt,
-    short=25,
-)
+FUZZER = Fuzzer(prepare, attempt, short=25)

@@ -5,16 +5,14 @@ from pathlib import Path
 from shutil import copytree
 
 import numpy as np
-from fuzz.folder_mutations import spoil
 from fuzz.fuzzing import Fuzzer
 from fuzz.honest_cohorts import ENGINE, MODULE, in_this_process
-from fuzz.mutations import pick
+from fuzz.mutations import pick, spoil
 
 import mimoc
 from mimoc.base.errors import MimocError
 from mimoc.schema.source import dump
-from mimoc.studies.cohorts.cohort import Cohort
-from mimoc.studies.cohorts.plan import plan
+from mimoc.studies.cohorts.cohort import Cohort, plan
 from mimoc.studies.cohorts.store import Result, Store
 
 STUDY = {
@@ -26,12 +24,10 @@ STUDY = {
     "do": ["build", {"run": {"steps": 3}}, {"python": "own_code:probe"}],
 }
 Way = Callable[[], object]
-LEFT = 3
-"""Jobs that are still to be done."""
+LEFT = 3  # Jobs that are still to be done.
 
 
 def prepare(folder: Path) -> Path:
-    """Return a folder with the file of a cohort and its folder: most is done, and something has failed."""
     (folder / "own_code.py").write_text(MODULE)
     (folder / "cohort.yaml").write_text(dump(STUDY))
     study, store = Cohort(folder / "cohort.yaml"), Store(folder / "out")
@@ -48,7 +44,6 @@ def prepare(folder: Path) -> Path:
 
 
 def attempt(prepared: Path, generator: np.random.Generator, folder: Path) -> None:
-    """Change the folder of a cohort, and use it in a few ways."""
     place = copied(prepared, folder)
     spoil(generator, place / "out", folder.parent / "outside")
     known = ways(place)
@@ -56,7 +51,6 @@ def attempt(prepared: Path, generator: np.random.Generator, folder: Path) -> Non
 
 
 def copied(prepared: Path, folder: Path) -> Path:
-    """Copy the file of the cohort and its folder; return where they are now."""
     return Path(copytree(prepared, folder / "cohort"))
 
 
@@ -75,7 +69,6 @@ def ways(place: Path) -> tuple[Way, ...]:
 
 
 def use(chosen: Iterable[Way]) -> None:
-    """Do things one after the other, and raise the error of one that was refused."""
     refused = None
     with in_this_process():
         for way in chosen:
@@ -87,10 +80,4 @@ def use(chosen: Iterable[Way]) -> None:
         raise refused
 
 
-FUZZER = Fuzzer(
-    name="cohorts",
-    about="folders of cohorts, changed in results, marks, bundles, links and what is there, used in every way",
-    prepare=prepare,
-    attempt=attempt,
-    short=8,
-)
+FUZZER = Fuzzer(prepare, attempt, short=8)

@@ -298,7 +298,6 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
 
 
 def plant_fifo(folder: Path, outside: Path) -> None:
-    """Put a pipe in place of a texture, which nobody writes to."""
     os.unlink(folder / EYE)
     os.mkfifo(folder / EYE)
 
@@ -314,7 +313,6 @@ def plant_linked_folder(folder: Path, outside: Path) -> None:
 
 
 def plant_large_file(folder: Path, outside: Path) -> None:
-    """Make a texture a terabyte long, of which nothing is on the disk."""
     os.truncate(folder / EYE, 2**40)
 
 

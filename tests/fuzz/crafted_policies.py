@@ -18,14 +18,11 @@ import numpy as np
 
 Members = dict[str, bytes]
 Craft = Callable[[Members], None]
-MARKER = "MIMOC_FUZZ_MARKER"
-"""Variable of the environment that code of a stranger would set."""
+MARKER = "MIMOC_FUZZ_MARKER"  # Variable of the environment that code of a stranger would set.
 DAMAGED = "not a policy trained by mimoc, or it is damaged"
 
 
 class Runs:
-    """Unpickling it runs code."""
-
     def __reduce__(self) -> tuple[Any, ...]:
         return eval, (f"__import__('os').environ.__setitem__({MARKER!r}, 'yes')",)
 
@@ -99,8 +96,7 @@ def _longer(array: bytes) -> bytes:
     return array[:10] + longer + array[10 + len(header) :]
 
 
-ALLOCATES = b"\x80\x04\x96" + struct.pack("<Q", 2**36) + b"."
-"""A pickle of a bytearray of 64 GB, which is not there."""
+ALLOCATES = b"\x80\x04\x96" + struct.pack("<Q", 2**36) + b"."  # A pickle of a bytearray of 64 GB, which is not there.
 REMEMBERS = b"\x80\x02Nr" + struct.pack("<I", 2**32 - 2) + b"."
 """A pickle that keeps None in the last of four billion places."""
 CODE = pickle.dumps(Runs(), protocol=2)

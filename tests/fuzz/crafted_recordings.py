@@ -88,8 +88,6 @@ def _about(*path: Any, value: Any) -> Craft:
 
 
 def _touched(change: Callable[[list[Any]], Any], path: str = f"{WHOLE}.parquet") -> Craft:
-    """Return what changes the pairs of the first row in which something is touched."""
-
     def changed(rows: list[Any]) -> list[Any]:
         number = next(number for number, row in enumerate(rows) if len(row) > 1)
         return [change(row) if each == number else row for each, row in enumerate(rows)]

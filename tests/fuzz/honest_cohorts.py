@@ -11,9 +11,8 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from fuzz.from_schema import OMITTED, Drawing, Hints
 from fuzz.fuzzing import Fuzzer
-from fuzz.mutations import pick
+from fuzz.mutations import OMITTED, Drawing, Hints, among, between, pick, whole
 
 import mimoc
 from mimoc import cli
@@ -23,9 +22,9 @@ from mimoc.policies.named import policy_of
 from mimoc.policies.spec import needs_argument
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
-from mimoc.schema.kinds import POLICIES
+from mimoc.schema.kinds import ENGINES, POLICIES, EngineKind
 from mimoc.schema.source import dump, in_memory
-from mimoc.studies.cohorts import engines, plan as plans
+from mimoc.studies.cohorts import cohort as cohorts
 from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.infants import children_of
 from mimoc.studies.cohorts.job import Job
@@ -34,10 +33,8 @@ from mimoc.studies.cohorts.store import Result, Store
 from mimoc.training.settings import check_learnable
 
 MOST_INFANTS = 4
-TRIES = 1000
-"""Cohorts that are drawn until one is valid."""
-ENGINE = "here"
-"""Name of this module as an engine."""
+TRIES = 1000  # Cohorts that are drawn until one is valid.
+ENGINE = "here"  # Name of this module as an engine.
 NAMED = tuple(name for name, kind in POLICIES.items() if not needs_argument(kind))
 """Policies that need nothing but their name."""
 MODULE = """
@@ -54,25 +51,12 @@ HYPER = {
 }
 
 
-def _between(low: float, high: float, digits: int = 1) -> Any:
-    return lambda generator: round(float(generator.uniform(low, high)), digits)
-
-
-def _whole(low: int, high: int) -> Any:
-    return lambda generator: int(generator.integers(low, high + 1))
-
-
-def _among(*values: Any) -> Any:
-    return lambda generator: pick(generator, values)
-
-
 def _run(generator: np.random.Generator) -> dict[str, Any]:
     step = Drawing(json_schema("cohort"), IN_COHORTS, generator).value({"$ref": "#/$defs/RunStep"})
     return {"steps": 10, **step}
 
 
 def _do(generator: np.random.Generator) -> list[Any]:
-    """Return some steps, those of which a word would mean long ones in full."""
     schema = json_schema("cohort")
     drawn = Drawing(schema, IN_COHORTS, generator).value(schema["properties"]["do"])
     short = {"run": _run, "train": _train}
@@ -85,41 +69,41 @@ def _train(generator: np.random.Generator) -> dict[str, Any]:
 
 
 IN_INFANTS: Hints = {
-    "name": _among("kim", "one_2"),
-    "age_months": _between(0, 24),
+    "name": among("kim", "one_2"),
+    "age_months": between(0, 24),
     "individual": lambda generator: Drawing(json_schema("cohort"), IN_COHORTS, generator).value(INDIVIDUAL),
-    "steps": _whole(1, 20),
-    "step_ms": _among(10.0, 20.0, 50.0),
-    "timestep_ms": _among(2.5, 5.0),
-    **dict.fromkeys(("width_px", "height_px"), _whole(1, 24)),
-    "supersample": _whole(1, 2),
-    "density": _between(0.2, 1),
-    "count": _among([0, 0], [0, 2], [1, 1]),
-    "source": _among("builtin"),
-    **dict.fromkeys(("root", "subset", "textures"), _among(OMITTED)),
-    **{f"{sense}_ms": _among(0.0, 50.0, 100.0) for sense in ("motor", "proprioception", "sensory", "touch")},
-    **{f"{sense}_ms": _among(0.0, 50.0, 200.0) for sense in ("vestibular", "vision", "delay_jitter")},
+    "steps": whole(1, 20),
+    "step_ms": among(10.0, 20.0, 50.0),
+    "timestep_ms": among(2.5, 5.0),
+    **dict.fromkeys(("width_px", "height_px"), whole(1, 24)),
+    "supersample": whole(1, 2),
+    "density": between(0.2, 1),
+    "count": among([0, 0], [0, 2], [1, 1]),
+    "source": among("builtin"),
+    **dict.fromkeys(("root", "subset", "textures"), among(OMITTED)),
+    **{f"{sense}_ms": among(0.0, 50.0, 100.0) for sense in ("motor", "proprioception", "sensory", "touch")},
+    **{f"{sense}_ms": among(0.0, 50.0, 200.0) for sense in ("vestibular", "vision", "delay_jitter")},
 }
 IN_COHORTS: Hints = {
     "base": lambda generator: infant(generator),
-    "cohort": _among("spring", "a1"),
+    "cohort": among("spring", "a1"),
     "vary": lambda generator: varied(generator),
-    "draw": _whole(1, 3),
-    "n": _whole(1, 3),
-    "steps": _whole(1, 20),
+    "draw": whole(1, 3),
+    "n": whole(1, 3),
+    "steps": whole(1, 20),
     "policy": lambda generator: pick(generator, NAMED),
-    "seeds": _among(0, [3, 1], "0:2"),
+    "seeds": among(0, [3, 1], "0:2"),
     "measure": lambda generator: [name for name in (*measures(), "own_code:weigh") if generator.random() < 0.3],
     "do": _do,
     "run": _run,
     "train": _train,
-    "experiment": _among(OMITTED),
-    "function": _among("own_code:probe"),
-    "python": _among("own_code:probe", {"function": "own_code:probe", "seeds": 3, "options": {"x": 1, "y": "z"}}),
-    **dict.fromkeys(("length_cm",), _between(50, 90)),
-    **dict.fromkeys(("head_circumference_cm",), _between(35, 50)),
-    **dict.fromkeys(("weight_kg",), _between(3, 13)),
-    **{f"{what}_percentile": _between(1, 99) for what in ("length", "weight", "head")},
+    "experiment": among(OMITTED),
+    "function": among("own_code:probe"),
+    "python": among("own_code:probe", {"function": "own_code:probe", "seeds": 3, "options": {"x": 1, "y": "z"}}),
+    **dict.fromkeys(("length_cm",), between(50, 90)),
+    **dict.fromkeys(("head_circumference_cm",), between(35, 50)),
+    **dict.fromkeys(("weight_kg",), between(3, 13)),
+    **{f"{what}_percentile": between(1, 99) for what in ("length", "weight", "head")},
 }
 INDIVIDUAL = {"$ref": "#/$defs/IndividualSpec"}
 
@@ -217,10 +201,13 @@ def prepare(_: Path) -> None:
 
 @contextmanager
 def in_this_process() -> Iterator[None]:
-    """Let the engine of this module do jobs in this process, as starting one for each cohort takes seconds."""
-    known = {**engines.ENGINES, ENGINE: __name__}
-    with patch.object(engines, "ENGINES", known), patch.object(plans, "try_out", _try_out):
-        yield
+    """Let an engine do jobs in this process, as starting one for each cohort takes seconds."""
+    ENGINES.add(EngineKind(ENGINE, (), lambda options: None, _run))
+    try:
+        with patch.object(cohorts, "try_out", _try_out):
+            yield
+    finally:
+        ENGINES.remove(ENGINE)
 
 
 def _try_out(jobs: Sequence[Job], store: Store, _: float) -> list[Result | None]:
@@ -228,20 +215,12 @@ def _try_out(jobs: Sequence[Job], store: Store, _: float) -> list[Result | None]
     return [store.read(job) for job in jobs]
 
 
-OPTIONS = ()
-
-
-def check(_: Any) -> None:
-    """Admit all options of this engine, of which there are none."""
-
-
-def run(jobs: Any, store: Any, _: Any, done: Any) -> None:
+def _run(jobs: Any, store: Any, _: Any, done: Any) -> None:
     run_jobs(jobs, store)
     done(len(jobs))
 
 
 def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
-    """Draw a cohort, and use it with every command."""
     path, out = valid_cohort(generator, folder), folder / "out"
     cohort, place = Cohort(path), ["-o", out]
     with contextlib.chdir(folder), in_this_process():
@@ -256,7 +235,6 @@ def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
 
 
 def use_infant(spec: Path, generator: np.random.Generator) -> None:
-    """Build an infant, and use its bundle and a recording of it."""
     called("build", spec, "-o", "bundle")
     called("run", "bundle", "--steps", 3, "--record", "recording", "--seed", generator.integers(9))
     called("replay", "recording")
@@ -284,10 +262,8 @@ def called(*arguments: object) -> str:
 
 
 FUZZER = Fuzzer(
-    name="honest_cohorts",
-    about="cohorts drawn from the JSON Schema, put through every command",
-    prepare=prepare,
-    attempt=attempt,
+    prepare,
+    attempt,
     short=1,
     longest_s=60.0,
     largest_mb=2048,  # A process has torch and OpenGL, and keeps what it has read of all infants.

@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from fuzz.from_schema import OMITTED, Drawing, Hints
 from fuzz.fuzzing import Fuzzer, check_clear
 from fuzz.honest_uses import DEAR, check
-from fuzz.mutations import pick
+from fuzz.mutations import OMITTED, Drawing, Hints, among, between, pick, whole
 
 import mimoc
 from mimoc.base.errors import SpecError
@@ -29,44 +28,26 @@ from mimoc.schema.kinds import SENSES
 from mimoc.schema.names import MEASUREMENT_KEYS, RANGED, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
 from mimoc.schema.source import in_memory
 
-MOST_KEYS = 3
-"""Keys of a section that are drawn."""
+MOST_KEYS = 3  # Keys of a section that are drawn.
 ENDS, NEAR = 0.1, 0.4
 """How often a number is one of the ends of its range, and how often it is near the default, if it has one."""
-ROUNDS = 40
-"""How often keys are left out because of which a spec is refused."""
+ROUNDS = 40  # How often keys are left out because of which a spec is refused.
 AGES_MONTHS = (0, 3, 6, 9, 12, 24)
 FINGERS = {*limb_bodies("five_finger")} - {*limb_bodies("mitten")}
 NAMES = ("one", "two", "three")
 PARTS = ("head", "chest", "left_hand", "right_foot")
 
-NEEDED = ("name", "kind", "do")
-"""Keys without which their section makes no sense."""
+NEEDED = ("name", "kind", "do")  # Keys without which their section makes no sense.
 
-Section = tuple[str, ...]
-"""Keys that lead to a section."""
+Section = tuple[str, ...]  # Keys that lead to a section.
 
 
 class Case(NamedTuple):
     """What is drawn, and what it is used for."""
 
     sections: tuple[Section, ...]
-    dear: tuple[str, ...]
-    """Names of dear uses."""
-    seed: tuple[int, ...]
-    """Of the draw."""
-
-
-def _among(*values: Any) -> Any:
-    return lambda generator: pick(generator, values)
-
-
-def _between(low: float, high: float, digits: int = 1) -> Any:
-    return lambda generator: round(float(generator.uniform(low, high)), digits)
-
-
-def _whole(low: int, high: int) -> Any:
-    return lambda generator: int(generator.integers(low, high + 1))
+    dear: tuple[str, ...]  # Names of dear uses.
+    seed: tuple[int, ...]  # Of the draw.
 
 
 def _place(generator: np.random.Generator) -> Any:
@@ -84,42 +65,40 @@ def _measurements(generator: np.random.Generator) -> dict[str, float]:
 
 def _contractures(generator: np.random.Generator) -> dict[str, list[float]]:
     names = generator.permutation(sorted(RANGED))[: generator.integers(1, MOST_KEYS)].tolist()
-    return {name: [_between(-90, 0)(generator), _between(0, 90)(generator) - 5] for name in names}
+    return {name: [between(-90, 0)(generator), between(0, 90)(generator) - 5] for name in names}
 
 
 HINTS: Hints = {
     "measurements": _measurements,
     # What needs files, plug-ins or names that are said elsewhere in the spec.
-    **dict.fromkeys(("root", "subset", "mesh", "picture", "textures", "extra"), _among(OMITTED)),
-    "source": _among("builtin"),
-    "toy": _among(*TOYS),
-    "name": _among(*NAMES),
-    "start_at": _among(NAMES[0]),
+    **dict.fromkeys(("root", "subset", "mesh", "picture", "textures", "extra"), among(OMITTED)),
+    "source": among("builtin"),
+    "toy": among(*TOYS),
+    "name": among(*NAMES),
+    "start_at": among(NAMES[0]),
     "range": _contractures,
-    "object": _among(*NAMES),
-    "above": _among(*NAMES, *PARTS),
+    "object": among(*NAMES),
+    "above": among(*NAMES, *PARTS),
     "at": _place,
     # What a spec may say that only takes longer.
-    "step_ms": _among(10.0, 10.0, 20.0, 30.0, 50.0, 100.0),
-    "timestep_ms": _among(1.0, 2.0, 2.5, 5.0, 10.0),
-    "count": _among([0, 0], [0, 2], [1, 1]),
-    "steps": _whole(1, 30),
-    "sample_rate_hz": _among(8000, 16000, 24000, 48000),
-    "density": _between(0.1, 2),
-    "supersample": _whole(1, 3),
-    **dict.fromkeys(("width_px", "height_px"), _whole(1, 24)),
+    "step_ms": among(10.0, 10.0, 20.0, 30.0, 50.0, 100.0),
+    "timestep_ms": among(1.0, 2.0, 2.5, 5.0, 10.0),
+    "count": among([0, 0], [0, 2], [1, 1]),
+    "steps": whole(1, 30),
+    "sample_rate_hz": among(8000, 16000, 24000, 48000),
+    "density": between(0.1, 2),
+    "supersample": whole(1, 3),
+    **dict.fromkeys(("width_px", "height_px"), whole(1, 24)),
     **{
-        f"{sense}_ms": _among(0.0, 10.0, 50.0, 100.0, 200.0)
-        for sense in ("motor", "proprioception", "sensory", "touch")
+        f"{sense}_ms": among(0.0, 10.0, 50.0, 100.0, 200.0) for sense in ("motor", "proprioception", "sensory", "touch")
     },
-    **{f"{sense}_ms": _among(0.0, 10.0, 50.0, 100.0, 200.0) for sense in ("vestibular", "vision", "hearing", "pain")},
-    "delay_jitter_ms": _among(0.0, 10.0, 50.0),
-    "at_s": _among(0.0, 0.01, 0.05),
-    **dict.fromkeys(("delay_ms", "pause_ms", "duration_ms"), _among(0.0, 10.0, 400.0, 1000.0)),
-    "yoked_s": _among([0.0], [0.01, 0.05]),
+    **{f"{sense}_ms": among(0.0, 10.0, 50.0, 100.0, 200.0) for sense in ("vestibular", "vision", "hearing", "pain")},
+    "delay_jitter_ms": among(0.0, 10.0, 50.0),
+    "at_s": among(0.0, 0.01, 0.05),
+    **dict.fromkeys(("delay_ms", "pause_ms", "duration_ms"), among(0.0, 10.0, 400.0, 1000.0)),
+    "yoked_s": among([0.0], [0.01, 0.05]),
 }
-LEAST = {"spacing_cm": 0.5}
-"""Of numbers below some keys: less only takes longer."""
+LEAST = {"spacing_cm": 0.5}  # Of numbers below some keys: less only takes longer.
 
 
 @cache
@@ -200,7 +179,6 @@ class SpecDrawing(Drawing):
 
 
 def drawn(pair: Sequence[Section], generator: np.random.Generator) -> dict[str, Any]:
-    """Return a spec with two sections, or one, and what these need of others."""
     drawing = SpecDrawing(generator)
     data: dict[str, Any] = {"mimoc": 1, "name": "kim", "age_months": pick(generator, AGES_MONTHS)}
     for path in pair:
@@ -209,7 +187,6 @@ def drawn(pair: Sequence[Section], generator: np.random.Generator) -> dict[str, 
 
 
 def _completed(data: dict[str, Any]) -> dict[str, Any]:
-    """Return a spec with the senses, parts and objects that are meant in it."""
     body, scene, delays, noise = (data.get(key, {}) for key in ("body", "scene", "delays", "noise"))
     for sense in SENSES:
         if any(key.startswith(f"{sense}_") for key in (*delays, *noise)):
@@ -311,17 +288,14 @@ def use_drawn(case: Case, folder: Path) -> int:
 
 
 def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
-    """Draw a spec of any two sections, and put it to one of the dear uses."""
     every = sections()
     pair = tuple(every[index] for index in generator.choice(len(every), 2, replace=False).tolist())
     use_drawn(Case(pair, (pick(generator, tuple(DEAR)),), tuple(generator.integers(2**32, size=2).tolist())), folder)
 
 
 FUZZER = Fuzzer(
-    name="honest_specs",
-    about="specs drawn from the JSON Schema, two sections at a time, put through everything",
-    prepare=lambda _: None,
-    attempt=attempt,
+    lambda _: None,
+    attempt,
     short=1,
     longest_s=60.0,
     largest_mb=2048,  # A process has OpenGL, and keeps what it has read of all infants.

@@ -70,7 +70,6 @@ def life(env: Any) -> list[Any]:
 
 
 def states(env: Any) -> None:
-    """Go back to a state, from which all comes again."""
     env.reset(seed=SEED)
     inside, action = env.unwrapped, env.action_space.sample()
     inside.step(action)
@@ -87,7 +86,6 @@ def poses(env: Any) -> None:
 
 
 def record(bundle: Path, _: np.random.Generator, __: Any) -> None:
-    """Record twice, which gives the same bytes, and replay."""
     places = [bundle.parent / "recording", bundle.parent / "again"]
     for place in places:
         with Recorder(mimoc.make(bundle), place) as env:

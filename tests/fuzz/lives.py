@@ -68,7 +68,6 @@ def bundle(name: str) -> mimoc.Bundle:
 
 
 def alone(name: str) -> Any:
-    """Return the environment of one infant, which can be copied."""
     return mimoc.make(bundle(name), **SIZE).unwrapped
 
 
@@ -88,8 +87,6 @@ COPIED = {"all_senses", "room", "muscle"}
 
 
 class Lives(RuleBasedStateMachine):
-    """Calls of one environment after another."""
-
     kind: str
     """What is opened."""
     counts: Counter[str]
@@ -232,7 +229,6 @@ class Lives(RuleBasedStateMachine):
 
 @cache
 def other() -> tuple[Any, Any]:
-    """Return an environment that stays open, and its picture."""
     env = alone("all_senses")
     env.reset(seed=0)
     return env, env.render()
@@ -246,7 +242,6 @@ def check_other() -> None:
 
 @contextmanager
 def in_a_thread(act: Callable[[], Any]) -> Iterator[None]:
-    """Do something in another thread, which ends and whose errors are raised afterwards."""
     failed: list[BaseException] = []
 
     def caught() -> None:
@@ -293,7 +288,6 @@ def live_apart(kind: str, number: int, sequences: int) -> tuple[Counter[str], st
 
 
 def main() -> int:
-    """Live what was asked for; return 1 if anything failed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("kinds", nargs="*", help=f"of {', '.join(OPENERS)}; all by default")
     parser.add_argument("--sequences", type=int, default=1000, help="of all kinds together")

@@ -9,7 +9,7 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, changed_data, pick
 from support.mesh_kinds import WRITERS, box, confetti, cup, glb_of
 
-from mimoc.components.toys.toys4k import processing, subprocesses, worker
+from mimoc.components.toys.toys4k import processing, worker
 from mimoc.components.toys.toys4k.build import load_toy
 from mimoc.components.toys.toys4k.dataset import find_toys
 
@@ -45,7 +45,6 @@ def attempt(prepared: list[tuple[str, bytes]], generator: np.random.Generator, f
 
 
 def _changed_glb(generator: np.random.Generator, content: bytes) -> bytes:
-    """Return a .glb whose description is changed, with lengths that fit."""
     length = struct.unpack_from("<I", content, 12)[0]
     described = changed_data(generator, json.loads(content[20 : 20 + length]))
     return glb_of(described, content[28 + length :])
@@ -55,15 +54,9 @@ def read_here(task: str, content: bytes, *arguments: object, limit_s: int) -> wo
     try:
         return worker.TASKS[task](content, *map(str, arguments))
     except worker.RefusedError as error:
-        raise subprocesses.WorkerError(" ".join(str(error).split())) from None
+        raise worker.WorkerError(" ".join(str(error).split())) from None
     except MemoryError:
-        raise subprocesses.WorkerError(f"takes too much memory to {task}") from None
+        raise worker.WorkerError(f"takes too much memory to {task}") from None
 
 
-FUZZER = Fuzzer(
-    name="meshes",
-    about="meshes of toys (OBJ, PLY, GLB, STL): bytes changed, cut off, other formats, GLB descriptions",
-    prepare=prepare,
-    attempt=attempt,
-    short=40,
-)
+FUZZER = Fuzzer(prepare, attempt, short=40)

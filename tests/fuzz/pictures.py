@@ -12,12 +12,10 @@ from PIL import Image
 from mimoc.compiler.looks.wallpaper import read_textures
 
 FORMATS = ("PNG",) * 8 + ("JPEG", "BMP", "GIF", "TIFF")
-MODES = ("RGB", "RGBA", "L", "P", "1", "I;16")
-"""Of PNGs."""
+MODES = ("RGB", "RGBA", "L", "P", "1", "I;16")  # Of PNGs.
 
 
 def prepare(folder: Path | None) -> list[bytes]:
-    """Return honest pictures of each mode, and some that are not PNGs."""
     colours = np.arange(24 * 16 * 3, dtype=np.uint8).reshape(24, 16, 3)
     image = Image.fromarray(colours)
     deep = Image.fromarray(colours[..., 0].astype(np.uint16) * 200)
@@ -32,7 +30,6 @@ def _encoded(image: Image.Image, kind: str) -> bytes:
 
 
 def attempt(prepared: list[bytes], generator: np.random.Generator, folder: Path) -> None:
-    """Change one of them, or its size in the header of a PNG, and draw it."""
     content = pick(generator, prepared)
     kind = generator.random()
     if kind < 0.2:
@@ -47,15 +44,8 @@ def attempt(prepared: list[bytes], generator: np.random.Generator, folder: Path)
 
 
 def resized(content: bytes, width_px: int, height_px: int) -> bytes:
-    """Return a PNG whose header claims another size, with a checksum that fits."""
     header = b"IHDR" + width_px.to_bytes(4, "big") + height_px.to_bytes(4, "big") + content[24:29]
     return content[:12] + header + crc32(header).to_bytes(4, "big") + content[33:]
 
 
-FUZZER = Fuzzer(
-    name="pictures",
-    about="pictures of floors and walls: bytes changed, cut off, headers of any size, other formats",
-    prepare=prepare,
-    attempt=attempt,
-    short=60,
-)
+FUZZER = Fuzzer(prepare, attempt, short=60)

@@ -14,10 +14,9 @@ from support import filmed
 
 import mimoc
 from mimoc.base.errors import BundleError
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
+from mimoc.bundle.io import pack_arrays, unpack_arrays
 from mimoc.motion.body_points import film
 from mimoc.motion.point_recording import UPS, VIEWS
-from mimoc.motion.reading import write_mini_rgbd
 from mimoc.schema.kinds import FORMATS
 
 FRAMES = 12
@@ -44,8 +43,8 @@ def prepare(folder: Path) -> list[Path]:
         filmed.write_openpose(seen, folder / "openpose", (seen,)),
         filmed.write_coco(seen, folder / "coco"),
         filmed.write_coco(seen, folder / "coco.json"),
-        write_mini_rgbd(deep, folder / "flat"),
-        write_mini_rgbd(space, folder / "space"),
+        filmed.write_mini_rgbd(deep, folder / "flat"),
+        filmed.write_mini_rgbd(space, folder / "space"),
         mimoc.write_points(seen, folder / "wide.csv"),
         filmed.write_pairs(filmed.filmed(FRAMES), folder / "pairs.csv"),
         mimoc.write_points(deep, folder / "points.npz"),
@@ -62,7 +61,6 @@ def prepare(folder: Path) -> list[Path]:
 
 
 def attempt(prepared: list[Path], generator: np.random.Generator, folder: Path) -> None:
-    """Change a recording in one or two places, and read it; whatever is read can be smoothed and written."""
     honest = pick(generator, prepared)
     place = folder / honest.name
     copytree(honest, place) if honest.is_dir() else copy(honest, place)
@@ -145,10 +143,4 @@ def change_cells(generator: np.random.Generator, path: Path) -> None:
     path.write_text("\n".join(separator.join(row) for row in rows), encoding="utf-8", errors="replace")
 
 
-FUZZER = Fuzzer(
-    name="points",
-    about="recordings of points, changed in bytes, data, cells and folders, read with any options and written again",
-    prepare=prepare,
-    attempt=attempt,
-    short=60,
-)
+FUZZER = Fuzzer(prepare, attempt, short=60)

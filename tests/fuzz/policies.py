@@ -24,14 +24,12 @@ TINY = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
 
 
 def prepare(folder: Path) -> tuple[Members, Any]:
-    """Return the members of a policy that has hardly learned anything, and the environment of its infant."""
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(SPEC))
     mimoc.train(bundle, folder / "run", steps=64, envs=2, checkpoint_every=64, hyper=TINY)
     return unpacked((folder / "run/policy.zip").read_bytes()), mimoc.InfantEnv(bundle)
 
 
 def attempt(prepared: tuple[Members, Any], generator: np.random.Generator, folder: Path) -> None:
-    """Change a policy, and let an infant act by it."""
     members, env = prepared
     content = _spoiled(dict(members), generator)
     (folder / "policy.zip").write_bytes(content)
@@ -67,7 +65,6 @@ def _spoiled(members: Members, generator: np.random.Generator) -> bytes:
 
 
 def _spoil_within(members: Members, generator: np.random.Generator, name: str) -> None:
-    """Change a member of a member, whose checksum fits again."""
     inner = unpacked(members[name])
     inside = pick(generator, sorted(inner))
     inner[inside] = changed_bytes(generator, inner[inside])
@@ -76,10 +73,4 @@ def _spoil_within(members: Members, generator: np.random.Generator, name: str) -
     members[name] = packed(inner, compression)
 
 
-FUZZER = Fuzzer(
-    name="policies",
-    about="policies, changed in archive, description, statistics and weights",
-    prepare=prepare,
-    attempt=attempt,
-    short=60,
-)
+FUZZER = Fuzzer(prepare, attempt, short=60)

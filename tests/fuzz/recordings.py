@@ -21,20 +21,16 @@ from mimoc.recording.video import require_av, write_pictures
 CODECS = ("ffv1", "rawvideo", "mpeg4", "mjpeg", "h264", "vp8", "libvpx-vp9", "mp2", "flac")
 """Of videos, and of what is none."""
 EXPORTS = ("csv", "lerobot", "minari", "recording")
-INFANTS = (0, 1)
-"""Numbers of the honest bundles that are recorded: one sees, and one reaches and grows."""
+INFANTS = (0, 1)  # Numbers of the honest bundles that are recorded: one sees, and one reaches and grows.
 
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """Honest recordings, and the infants in them."""
-
     folders: tuple[Path, ...]
     bundles: tuple[mimoc.Bundle, ...]
 
 
 def prepare(folder: Path) -> Prepared:
-    """Return recordings of two infants, each of two episodes in one part, and one in two that is still going on."""
     bundles = tuple(_without_eyes(number) if number else honest_bundle(number) for number in INFANTS)
     for number, bundle in enumerate(bundles):
         _record(bundle, folder / f"running{number}", folder / f"recording{number}")
@@ -75,7 +71,6 @@ def _record(bundle: mimoc.Bundle, running: Path, kept: Path) -> None:
 
 
 def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) -> None:
-    """Change a recording in one or two places, and use it in one way."""
     which = int(generator.integers(len(prepared.folders)))
     place = folder / "recording"
     copytree(prepared.folders[which], place)
@@ -85,7 +80,6 @@ def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) ->
 
 
 def change(generator: np.random.Generator, place: Path, other: Path, outside: Path) -> None:
-    """Change something in the folder of a recording, or take it from another one."""
     paths = [path for path in sorted(place.rglob("*")) if "bundles" not in path.parts or generator.random() < 0.005]
     files = [path for path in paths if path.is_file() and not path.is_symlink()]
     path = pick(generator, files)
@@ -167,7 +161,6 @@ def _change_video(generator: np.random.Generator, path: Path) -> None:
 
 
 def use(generator: np.random.Generator, place: Path, bundle: mimoc.Bundle, folder: Path) -> None:
-    """Read all that is in a recording, export, show, simulate or continue it."""
     way = generator.random()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # Numbers that are none are averaged for statistics.
@@ -216,10 +209,4 @@ def go_on(place: Path, bundle: mimoc.Bundle) -> None:
     rmtree(place)
 
 
-FUZZER = Fuzzer(
-    name="recordings",
-    about="recordings, changed in tables, videos, sidecars and folders, read, exported, shown, simulated and continued",
-    prepare=prepare,
-    attempt=attempt,
-    short=10,
-)
+FUZZER = Fuzzer(prepare, attempt, short=10)

@@ -16,15 +16,13 @@ from dataclasses import asdict
 from pathlib import Path
 from shutil import rmtree
 
-from fuzz.canaries import Canaries
-from fuzz.fuzzing import FUZZERS, LARGEST_MB, LONGEST_S, Outcome, fuzzer, peak_mb, run_try
+from fuzz.fuzzing import FUZZERS, LARGEST_MB, LONGEST_S, Canaries, Outcome, fuzzer, peak_mb, run_try
 from fuzz.strange_infants import CANARIES
 
 TRIES_OF_A_PROCESS = 500
 
 
 def main() -> int:
-    """Run what was asked for; return 1 if there was any fault."""
     asked = _arguments()
     if asked.worker:
         return _work(asked.names[0], asked.seed, asked.one_try, asked.tries)
@@ -125,7 +123,6 @@ class _Lines:
 
 
 def _work(name: str, seed: int, first: int, count: int) -> int:
-    """Make tries in this process, and print a line for each."""
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # What else is printed is no answer.
     made = fuzzer(name)

@@ -17,7 +17,6 @@ SECTIONS = """
 
 
 def prepare(folder: Path) -> list[dict[str, str]]:
-    """Return the files of honest scenes, in parts and in one, one element a line."""
     path = write_scene(folder / "parts", build_mimo(6), sections=SECTIONS)
     one = {path.name: read_scene(path).xml()}
     for part in (path.parent / "mimo").iterdir():
@@ -27,7 +26,6 @@ def prepare(folder: Path) -> list[dict[str, str]]:
 
 
 def attempt(prepared: list[dict[str, str]], generator: np.random.Generator, folder: Path) -> None:
-    """Change one of its files, import the scene, and read the spec that comes out."""
     scene = dict(pick(generator, prepared))
     name = pick(generator, sorted(scene))
     scene[name] = changed_xml(generator, scene[name])
@@ -40,10 +38,4 @@ def attempt(prepared: list[dict[str, str]], generator: np.random.Generator, fold
     assert "spec_scene.xml" in result.scene("spec")
 
 
-FUZZER = Fuzzer(
-    name="scenes",
-    about="MIMo's scenes, in one file or several: elements and attributes changed, bytes",
-    prepare=prepare,
-    attempt=attempt,
-    short=20,
-)
+FUZZER = Fuzzer(prepare, attempt, short=20)

@@ -14,12 +14,11 @@ from fuzz.mutations import changed_bytes, changed_data, pick
 from support.motions import moved, retargeted
 
 import mimoc
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
+from mimoc.bundle.io import pack_arrays, unpack_arrays
 from mimoc.movement.retargeting.folder import ACCOUNT, FITTED, POINTS, write_retargeted
 from mimoc.policies.named import policy_of
 from mimoc.policies.skill import shipped
-from mimoc.studies.bench.entrant import check_files
-from mimoc.studies.bench.scores import markdown_tables, read_results
+from mimoc.studies.bench.scores import check_files, markdown_tables, read_results
 
 SPEC = {
     "mimoc": 1,
@@ -32,17 +31,13 @@ SPEC = {
 
 @dataclass(frozen=True)
 class Prepared:
-    """What tries begin with."""
-
     env: Any
     skill: Mapping[str, Any]
     results: Mapping[str, Any]
-    child: Path
-    """The folder of a filmed child."""
+    child: Path  # The folder of a filmed child.
 
 
 def prepare(folder: Path) -> Prepared:
-    """Return honest files, and an infant that acts by them."""
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(SPEC))
     results = mimoc.run_bench("zero", folder / "zero.json", tasks=["grasp"], ages_months=[12], episodes=1)
     child = write_retargeted(retargeted(bundle, moved(bundle, 0.3)), folder / "child")
@@ -69,7 +64,6 @@ def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) ->
 
 
 def _write(path: Path, generator: np.random.Generator, data: Any) -> None:
-    """Write JSON with something changed, sometimes a byte."""
     content = json.dumps(changed_data(generator, data)).encode(errors="surrogateescape")
     path.write_bytes(changed_bytes(generator, content) if generator.random() < 0.2 else content)
 
@@ -97,10 +91,4 @@ def _act(env: Any, policy: str) -> None:
         observation, *_ = env.step(act(np.random.default_rng(0), observation))
 
 
-FUZZER = Fuzzer(
-    name="small_files",
-    about="skills, results of the benchmark, folders of filmed children: JSON, arrays, bytes",
-    prepare=prepare,
-    attempt=attempt,
-    short=60,
-)
+FUZZER = Fuzzer(prepare, attempt, short=60)

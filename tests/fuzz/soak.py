@@ -18,25 +18,20 @@ import mimoc
 
 GROWTH_MB = 32.0
 """What resident memory may grow by after the first tenth; a leak of 1 MB whenever one is opened takes 180 MB."""
-EPISODE = 1000
-"""Control steps until a reset."""
-LOOKS = 10
-"""How often memory and handles are looked at."""
+EPISODE = 1000  # Control steps until a reset.
+LOOKS = 10  # How often memory and handles are looked at.
 PROPRIOCEPTION = {"proprioception": {}, "vestibular": {}}
 ROOM = {"kind": "room", "pose": "sitting", "toys": {"source": "builtin", "count": [3, 6], "size_cm": [4, 12]}}
 
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """What this process holds after some rounds."""
-
     rounds: int
     memory_mb: float
     handles: int
 
 
 def main() -> int:
-    """Run all parts; return 1 if one is not flat."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name, count in (("steps", 1_000_000), ("scenes", 1000), ("cycles", 200)):
         parser.add_argument(f"--{name}", type=int, default=count, help=f"{count:,} by default; 0 for none")
@@ -52,7 +47,6 @@ def main() -> int:
 
 
 def steps(count: int) -> Iterator[None]:
-    """Take control steps with touch, by chance, with a reset every thousand."""
     env = mimoc.make(_infant({**PROPRIOCEPTION, "touch": {}}))
     env.action_space.seed(0)
     for number in range(count):
@@ -64,7 +58,6 @@ def steps(count: int) -> Iterator[None]:
 
 
 def scenes(count: int) -> Iterator[None]:
-    """Build rooms of other seeds, and live in each for a step."""
     for seed in range(count):
         env = mimoc.make(_infant(PROPRIOCEPTION, {**ROOM, "seed": seed}))
         env.reset(seed=seed)
@@ -74,7 +67,6 @@ def scenes(count: int) -> Iterator[None]:
 
 
 def cycles(count: int) -> Iterator[None]:
-    """Open an environment with eyes, see, take a picture, and close it."""
     bundle = _infant({"vision": {"foveation": 5}})
     for number in range(count):
         env = mimoc.make(bundle, render_mode="rgb_array")
@@ -97,14 +89,12 @@ def looked_at(rounds: Iterator[None], count: int) -> Iterator[Held]:
 
 
 def held(rounds: int) -> Held:
-    """Return what this process holds now, when nothing is left to collect."""
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return Held(rounds, pages * os.sysconf("SC_PAGE_SIZE") / 2**20, len(os.listdir("/proc/self/fd")))
 
 
 def growth(early: Held, late: Held) -> str:
-    """Return what has grown, nothing if memory and handles are flat."""
     more_mb, more = late.memory_mb - early.memory_mb, late.handles - early.handles
     grown = [f"{more_mb:.0f} MB (at most {GROWTH_MB:.0f})"] if more_mb > GROWTH_MB else []
     grown += [f"{more} file handles"] if more > 0 else []

@@ -12,8 +12,7 @@ from mimoc.schema import read_spec
 from mimoc.schema.source import parse
 
 ROOT = Path(__file__).resolve().parents[2]
-BUILT = 0.5
-"""Share of the specs that can be read that are built, too."""
+BUILT = 0.5  # Share of the specs that can be read that are built, too.
 STRANGE = (
     *("5e-324", "1e308", "1e-320", "-0.0", "-1", "0", "1e400", ".nan", "-.inf", "99.99999999999999", "1.0e-17"),
     *("9" * 400, "0x" + "f" * 400, "0." + "9" * 400, "18446744073709551616", "9007199254740993", "1e18", "0o777"),
@@ -53,14 +52,12 @@ KEYS = (
 
 
 def prepare(_: Path) -> list[str]:
-    """Return the texts of the configs, after a first infant was built, which imports what that needs."""
     texts = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "configs").glob("*.yaml"))]
     mimoc.build(read_spec(parse(texts[0].encode(), "spec.yaml")))
     return texts
 
 
 def attempt(texts: list[str], generator: np.random.Generator, _: Path) -> None:
-    """Read one spoilt spec, and perhaps build it and read what it became."""
     text = spoilt(texts, generator)
     spec = read_spec(parse(text.encode("utf-8", "surrogatepass"), "spec.yaml"))
     if generator.random() < BUILT:
@@ -95,10 +92,4 @@ def _spoil(lines: list[str], generator: np.random.Generator) -> None:
             lines[at] = lines[at][:middle] + pick(generator, STRANGE)[:20] + lines[at][middle + generator.integers(5) :]
 
 
-FUZZER = Fuzzer(
-    name="specs",
-    about="specs, changed in values, numbers and keys, read and built",
-    prepare=prepare,
-    attempt=attempt,
-    short=60,
-)
+FUZZER = Fuzzer(prepare, attempt, short=60)

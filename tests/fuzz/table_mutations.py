@@ -102,7 +102,6 @@ def _of_another_type(generator: Generator, table: Table) -> Table:
 
 
 def _cast(generator: Generator, column: Any) -> Any:
-    """Return a column, or the numbers in its lists, as another type."""
     kind = pick(generator, KINDS)
     if pa.types.is_fixed_size_list(column.type):
         size = column.type.list_size
@@ -118,7 +117,6 @@ def _cast(generator: Generator, column: Any) -> Any:
 
 
 def _lists(generator: Generator, column: Any) -> Any:
-    """Return lists of one length as lists of any, or of another length."""
     flat, size = column.flatten(), column.type.list_size
     if generator.random() < 0.5:
         return pa.ListArray.from_arrays(pa.array(np.arange(len(column) + 1, dtype=np.int32) * size), flat)

@@ -5,9 +5,8 @@ import re
 from pathlib import Path
 
 import pytest
-from fuzz.canaries import Canaries
 from fuzz.crafted_bundles import CRAFTED, PLANTED
-from fuzz.fuzzing import is_clear
+from fuzz.fuzzing import Canaries, is_clear
 from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files, write_resealed
 
 import mimoc

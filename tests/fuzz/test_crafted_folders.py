@@ -21,9 +21,8 @@ from typing import Any
 
 import pytest
 from fuzz import cohorts, policies, trainings
-from fuzz.canaries import Canaries
 from fuzz.crafted_policies import CRAFTED, packed, ran, unpacked
-from fuzz.fuzzing import is_clear
+from fuzz.fuzzing import Canaries, is_clear
 from fuzz.mutations import TEXTS, VALUES
 from support.full import full_but
 
@@ -79,7 +78,6 @@ def places(data: Any, *above: str) -> Iterator[tuple[str, ...]]:
 
 
 def is_refused(use: Callable[[], object]) -> bool:
-    """Return whether something raises an error, which must be one line of text."""
     error = None
     try:
         use()
@@ -163,8 +161,7 @@ def test_training_goes_on_only_with_the_settings_that_are_in_the_folder(trained,
 
 
 FILE = b"of somebody else"
-Put = Callable[[Path, bool], object]
-"""Puts something in place of a file, or of a folder."""
+Put = Callable[[Path, bool], object]  # Puts something in place of a file, or of a folder.
 
 
 @pytest.fixture
@@ -196,7 +193,6 @@ def replace(path: Path, put: Put) -> None:
 
 
 def use(kind: ModuleType, begun: Any, tmp_path: Path, depth: int, put: Put) -> Iterator[str]:
-    """Do all that can be done with a folder in which much is something else, in turn; yield what is refused."""
     folder = kind.copied(begun, tmp_path)
     if kind is cohorts:
         ways, number = cohorts.ways(folder), replace_all(folder / "out", depth, MARK, put)
@@ -213,7 +209,6 @@ def use(kind: ModuleType, begun: Any, tmp_path: Path, depth: int, put: Put) -> I
 
 
 def untouched(outside: Canaries) -> bool:
-    """Return whether nothing outside was opened, and all is as it was."""
     opened = outside.opened()
     contents = {path.name: path.read_bytes() for path in outside.folder.iterdir()}
     outside.opened()  # That was this look.
@@ -234,7 +229,6 @@ def test_nothing_is_read_or_written_through_a_link(kind, depth, prepared, outsid
 
 @pytest.fixture
 def patience():
-    """Interrupt what waits for a pipe, to which nobody ever writes, after a minute."""
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     signal.alarm(60)
     yield
@@ -272,7 +266,6 @@ def test_the_canaries_see_what_is_made_and_listed(outside):
 
 @pytest.fixture(scope="session")
 def honest(tmp_path_factory):
-    """Return the members of an honest policy, and the environment of its infant."""
     return policies.prepare(tmp_path_factory.mktemp("trained"))
 
 

@@ -9,9 +9,8 @@ from shutil import copytree
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from fuzz.canaries import Canaries
 from fuzz.crafted_recordings import DESCRIPTIONS, PART, TABLES, VIDEOS, WHOLE
-from fuzz.fuzzing import is_clear
+from fuzz.fuzzing import Canaries, is_clear
 from fuzz.recordings import Prepared, go_on, prepare, read, replay_to_video
 from fuzz.strange_infants import CANARIES
 
@@ -42,7 +41,6 @@ def copied(prepared, tmp_path):
 
 
 def uses(folder: Path, bundle: mimoc.Bundle):
-    """Return everything that can be done with a recording, by name."""
     out = folder.parent
     return {
         "read": lambda: read(folder),

@@ -9,9 +9,8 @@ from unittest.mock import patch
 import numpy as np
 from fuzz import cohorts, policies
 from fuzz.cohorts import Way
-from fuzz.folder_mutations import spoil
 from fuzz.fuzzing import Fuzzer
-from fuzz.mutations import pick
+from fuzz.mutations import pick, spoil
 
 import mimoc
 from mimoc.base.errors import RenderingError
@@ -24,14 +23,12 @@ Prepared = tuple[Path, mimoc.Bundle, Any]
 
 
 def prepare(folder: Path) -> Prepared:
-    """Return the folder of a training run that has hardly begun, its infant, and its environment."""
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(policies.SPEC))
     mimoc.train(bundle, folder / "run", steps=STEPS, **SETTINGS)
     return folder / "run", bundle, mimoc.InfantEnv(bundle)
 
 
 def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) -> None:
-    """Change the folder of a training run, and use it in a few ways."""
     run = copied(prepared, folder)
     spoil(generator, run, folder.parent / "outside")
     known = ways(prepared, run)
@@ -39,7 +36,6 @@ def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) ->
 
 
 def copied(prepared: Prepared, folder: Path) -> Path:
-    """Copy the folder of the training run; return where it is now."""
     return Path(copytree(prepared[0], folder / "run"))
 
 
@@ -56,7 +52,6 @@ def ways(prepared: Prepared, run: Path) -> tuple[Way, ...]:
 
 
 def use(chosen: Iterable[Way]) -> None:
-    """Do things one after the other, without portraits, and raise the error of one that was refused."""
     with patch.object(infant, "portrait", _no_portrait):
         cohorts.use(chosen)
 
@@ -66,10 +61,4 @@ def _no_portrait(*_: object, **__: object) -> None:
     raise RenderingError("no portrait is drawn here")
 
 
-FUZZER = Fuzzer(
-    name="trainings",
-    about="folders of training runs, changed in settings, curves, checkpoints and links, used in every way",
-    prepare=prepare,
-    attempt=attempt,
-    short=12,
-)
+FUZZER = Fuzzer(prepare, attempt, short=12)

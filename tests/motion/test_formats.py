@@ -15,7 +15,6 @@ from mimoc.motion.labels import POINTS
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA
 from mimoc.motion.read_coco import COCO_17
 from mimoc.motion.read_mediapipe import LANDMARKS
-from mimoc.motion.reading import write_mini_rgbd
 from mimoc.plugin import MotionFormat, PointRecording, UnusableFileError
 from mimoc.schema.kinds import FORMATS
 
@@ -116,7 +115,7 @@ def test_coco_keypoints_as_others_write_them(dialect, body_25, tmp_path):
 @pytest.mark.parametrize("place", ["", "joints_2Ddep"])
 def test_a_sequence_of_mini_rgbd_has_depth(place, tmp_path):
     deep = film(filmed.kicking_model(), filmed.kicking(60), 30)
-    write_mini_rgbd(deep, tmp_path / "07")
+    filmed.write_mini_rgbd(deep, tmp_path / "07")
     read = mimoc.read_points(tmp_path / "07" / place)
     assert are_close(deep, read)
     assert np.allclose(read.select(deep.names).depth_m, deep.depth_m)
@@ -126,7 +125,7 @@ def test_a_sequence_of_mini_rgbd_has_depth(place, tmp_path):
 
 def test_depths_in_millimetres_become_metres(tmp_path):
     deep = film(filmed.kicking_model(), filmed.kicking(60), 30)
-    write_mini_rgbd(replace(deep, depth_m=1000 * deep.depth_m), tmp_path / "07")
+    filmed.write_mini_rgbd(replace(deep, depth_m=1000 * deep.depth_m), tmp_path / "07")
     read = mimoc.read_points(tmp_path / "07")
     assert np.allclose(read.select(deep.names).depth_m, deep.depth_m)
     assert "depths are taken for millimetres" in read.notes
@@ -134,7 +133,7 @@ def test_depths_in_millimetres_become_metres(tmp_path):
 
 @pytest.mark.parametrize("scale", [1, 1000])
 def test_joints_in_space_of_mini_rgbd(scale, in_space, tmp_path):
-    write_mini_rgbd(replace(in_space, positions=in_space.positions * scale), tmp_path / "07")
+    filmed.write_mini_rgbd(replace(in_space, positions=in_space.positions * scale), tmp_path / "07")
     read = mimoc.read_points(tmp_path / "07").select(in_space.names)
     raised = in_space.positions - [0, 0, in_space.positions[..., 2].min()]
     assert read.unit == "m"

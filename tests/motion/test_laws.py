@@ -13,7 +13,6 @@ import mimoc
 from mimoc.motion.labels import POINTS
 from mimoc.motion.point_recording import Camera
 from mimoc.motion.read_coco import COCO_17
-from mimoc.motion.reading import write_mini_rgbd
 
 few = settings(max_examples=15)
 PIXELS, SPACE = filmed.filmed(20), filmed.in_space(20)
@@ -50,7 +49,7 @@ def to_coco_file(recording, folder: Path) -> Path:
 
 
 def to_mini_rgbd(recording, folder: Path) -> Path:
-    return write_mini_rgbd(recording, folder / "a")
+    return filmed.write_mini_rgbd(recording, folder / "a")
 
 
 def to_csv(recording, folder: Path) -> Path:

@@ -1,14 +1,22 @@
-"""Simulated infants as a camera above them sees them."""
+"""What can be measured: recordings, cohorts, and simulated infants as a camera above them sees them."""
+
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support import filmed
+from support.moving import restless
 from support.store import built
 
-from mimoc.base.errors import MovementError
+import mimoc
+from mimoc.base.errors import MimocError, MovementError
+from mimoc.bundle.io import write_bundle
 from mimoc.motion.body_points import locate
-from mimoc.movement import core_measures
-from mimoc.movement.filming import SPACE_POINTS, TRUNK_PX, Film, film_places, film_policy
+from mimoc.motion.reading import write_points
+from mimoc.movement.filming import SPACE_POINTS, TRUNK_PX, Film, SourceOptions, film_places, film_policy, films_in
+from mimoc.movement.measures import core_measures
 
 SPEC = {"mimoc": 1, "name": "three", "age_months": 3, "senses": {"proprioception": {}}, "scene": {"pose": "supine"}}
 
@@ -53,7 +61,7 @@ def test_any_control_rate_is_filmed_at_thirty_frames_a_second():
 
 def test_an_episode_that_is_too_short_is_refused():
     with pytest.raises(MovementError, match=r"short: too short .*; record at least 3 s, since the first 1 s is not"):
-        Film().develop("short")
+        Film().to_recording("short")
 
 
 def test_an_infant_under_a_policy_is_filmed_once_for_each_seed():
@@ -74,3 +82,105 @@ def test_the_same_seed_is_filmed_alike():
 def test_an_episode_that_ends_too_early_is_refused():
     with pytest.raises(MovementError, match=r"seed 0: the episode ended after .* s; give fewer --seconds, or no task"):
         list(film_policy(built({**SPEC, "task": {"kind": "reach", "steps": 150}}), "random", [0], 3.0))
+
+
+def recorded(folder: Path, seeds: range = range(1)) -> Path:
+    """Return the folder of episodes of 3 s under random commands."""
+    with closing(mimoc.InfantEnv(built(SPEC))) as env, mimoc.Recorder(env, folder) as recorder:
+        for seed in seeds:
+            generator = np.random.default_rng(seed)
+            recorder.reset(seed=seed)
+            for _ in range(round(3000 / env.manifest.step_ms)):
+                recorder.step(generator.uniform(env.action_space.low, env.action_space.high).astype(np.float32))
+    return folder
+
+
+def test_a_file_is_one_recording(folder):
+    (film,) = films_in(folder / "infant1.npz")
+    assert np.array_equal(film.seen.positions, restless(1, 17.0).positions)
+    assert film.space is None
+
+
+def test_a_folder_is_all_its_recordings_in_their_order(folder):
+    films = films_in(folder)
+    assert len(films) == 3
+    assert np.array_equal(films[2].seen.positions, restless(2, 17.0).positions)
+
+
+def test_a_damaged_recording_in_a_folder_is_not_passed_over(folder):
+    (folder / "infant3.npz").write_bytes(b"PK damaged")
+    with pytest.raises(MimocError, match=r"infant3\.npz: "):
+        films_in(folder)
+
+
+def test_a_retargeted_folder_is_measured_by_the_points_that_were_recorded(tmp_path):
+    (tmp_path / "recording.json").write_text("{}")
+    write_points(restless(0, 10.0), tmp_path / "points.npz")
+    (film,) = films_in(tmp_path)
+    assert np.array_equal(film.seen.positions, restless(0, 10.0).positions)
+
+
+@pytest.mark.parametrize("lies", ["in space", "in a picture"])
+def test_a_retargeted_folder_is_not_asked_again_how_its_infant_lies(lies, tmp_path):
+    (tmp_path / "recording.json").write_text("{}")
+    space, seen = filmed.in_space(90), filmed.filmed(90)
+    prone = replace(space, positions=space.positions * [1, -1, -1])
+    behind = replace(seen, positions=seen.positions * [-1, 1] + [640, 0])
+    write_points(prone if lies == "in space" else behind, tmp_path / "points.npz")
+    (film,) = films_in(tmp_path)
+    assert film.seen.frames == 90
+
+
+def test_a_folder_is_also_what_mimoc_wrote_in_it(tmp_path):
+    recorded(tmp_path / "run")
+    (tmp_path / "child").mkdir()
+    (tmp_path / "child" / "recording.json").write_text("{}")
+    write_points(restless(0, 10.0), tmp_path / "child" / "points.npz")
+    retargeted, run = films_in(tmp_path)
+    assert retargeted.space is None
+    assert run.seen.name == "run"
+
+
+def test_a_recording_of_mimoc_is_simulated_again_and_filmed(tmp_path):
+    folder, done = recorded(tmp_path / "run", range(2)), []
+    films = films_in(folder, progress=lambda *steps: done.append(steps))
+    assert [film.seen.name for film in films] == ["run, infant 0, episode 0", "run, infant 0, episode 1"]
+    assert all(film.seen.frames == 61 for film in films)
+    assert films[0].space is not None
+    assert done[-1][0] == done[-1][1]
+
+
+def test_a_cohort_is_all_recordings_in_it(tmp_path):
+    (tmp_path / "cohort.json").write_text("{}")
+    for name in ("first", "second"):
+        (tmp_path / "runs" / name).mkdir(parents=True)
+        recorded(tmp_path / "runs" / name / "recording")
+    assert [film.seen.name for film in films_in(tmp_path)] == ["runs/first/recording", "runs/second/recording"]
+
+
+def test_a_bundle_is_simulated_under_a_policy(tmp_path):
+    folder = write_bundle(built(SPEC), tmp_path / "three")
+    options = SourceOptions(policy="random", seeds=range(1), seconds=2.0)
+    (film,) = films_in(Path(folder), options)
+    (same,) = film_policy(built(SPEC), "random", [0], 2.0)
+    assert np.array_equal(film.seen.positions, same.seen.positions)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("nowhere", None, "nowhere: does not exist; name a recording"),
+        ("three.yaml", None, r"three\.yaml: an infant, not a recording; say how it moves with --policy"),
+        ("empty", None, "empty: nothing in this folder is a recording"),
+        ("cohort", None, "cohort: a cohort without recordings; give its step 'run' the option record: true"),
+        ("empty", SourceOptions(policy="random"), "empty: --policy is for a bundle or a spec"),
+    ],
+)
+def test_what_is_nothing_to_measure_is_one_line(tmp_path, name, options, message):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "cohort").mkdir()
+    (tmp_path / "cohort" / "cohort.json").write_text("{}")
+    (tmp_path / "three.yaml").write_text("mimoc: 1\nname: three\nage_months: 3\n")
+    with pytest.raises(MovementError, match=message) as raised:
+        films_in(tmp_path / name, options)
+    assert "\n" not in str(raised.value)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
-from support.browser import wait_for
+from support.pages import wait_for
 
 import mimoc
 from mimoc.viewer.episode_page import page_of_recording
@@ -21,7 +21,6 @@ RECORDED_STEPS = 60
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    """Return Debian's Chromium or, without it, Playwright's."""
     with sync_playwright() as playwright:
         found = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=SOFTWARE)
         yield found
@@ -35,7 +34,6 @@ def infant() -> mimoc.Bundle:
 
 @pytest.fixture(scope="session")
 def written(infant, tmp_path_factory) -> Path:
-    """Return the page of an infant, with physics."""
     path = tmp_path_factory.mktemp("pages") / "infant.html"
     path.write_text(page_of(infant, physics=True), encoding="utf-8")
     return path
@@ -43,7 +41,6 @@ def written(infant, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory) -> Path:
-    """Return the page of a recording, with touch and eyes."""
     folder = tmp_path_factory.mktemp("recordings")
     spec = mimoc.load_spec(CONFIGS / "all_senses.yaml").with_(senses={"touch": {"density": 0.3}})
     with mimoc.Recorder(mimoc.make(spec), folder / "senses") as env:

@@ -2,7 +2,7 @@
 
 import mujoco
 import numpy as np
-from support.browser import wait_for
+from support.pages import wait_for
 
 import mimoc
 from mimoc.bundle.model import load_model

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from PIL import Image
-from support.browser import wait_for
+from support.pages import wait_for
 
 from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants, spec_of
@@ -21,7 +21,6 @@ def variants(infant) -> SpecVariants:
 
 
 def set_age(page, months: float) -> None:
-    """Move the slider as a hand would."""
     page.evaluate(
         """(months) => {
             const slider = document.getElementById("age");

@@ -1,9 +1,15 @@
 """Where the pages have what the eyes see, on phones, which are turned, and on screens."""
 
 from itertools import combinations
+from pathlib import Path
+from subprocess import run
 
+import numpy as np
 import pytest
-from support.browser import wait_for
+from support.pages import wait_for
+
+import mimoc
+from mimoc.viewer.live import LiveView
 
 PHONES = [(390, 844), (740, 360), (360, 640), (640, 360), (414, 896)]
 WINDOWS = [*PHONES, (1100, 720), (1100, 500)]
@@ -36,7 +42,6 @@ def seeing(request, open_page, written, recorded):
 
 
 def resize(page, width, height):
-    """Give a page another size, as when a phone is turned."""
     page.set_viewport_size({"width": width, "height": height})
     page.evaluate("window.scrollTo(0, 0)")
     wait_for(page, "mimoc.stage.camera.aspect === mimoc.stage.canvas.clientWidth / mimoc.stage.canvas.clientHeight")
@@ -87,3 +92,35 @@ def test_the_stage_and_its_times_fit_a_phone(width, height, seeing):
     (times,) = seeing.evaluate(BOXES, "#times")
     assert times[3] <= height
     assert seeing.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_a_browser_sees_the_infant_move(browser, infant):
+    env = mimoc.make(infant).unwrapped
+    env.reset(seed=0)
+    with LiveView(env, 8137) as live:
+        page = browser.new_page()
+        page.goto(live.address)
+        page.wait_for_selector("canvas")
+        bones = [(bone, body) for mesh, bodies in live._skins for bone, body in zip(mesh.bones, bodies, strict=True)]
+        before = [tuple(bone.position) for bone, _ in bones]
+        for _ in range(20):
+            env.step(env.action_space.sample())
+            live.show()
+        assert [tuple(bone.position) for bone, _ in bones] != before
+        assert all(np.allclose(bone.position, env.data.xpos[body], atol=1e-6) for bone, body in bones)
+        assert len({body for _, body in bones}) > 10
+        frames = {body: tuple(frame.position) for body, frame in live._bodies.items()}
+        assert frames == {body: pytest.approx(env.data.xpos[body]) for body in frames}
+        assert len(frames) >= 2  # The eyes.
+        page.close()
+
+
+CHECKOUT = Path(__file__).parents[2]
+
+
+def test_the_program_of_pages_is_built_from_its_source():
+    """`make pages` has just built it."""
+    done = run(
+        ["git", "status", "--porcelain", "mimoc/viewer"], cwd=CHECKOUT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == ""

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from support.browser import wait_for
 from support.motions import moved, retargeted
+from support.pages import wait_for
 
 import mimoc
 from mimoc.movement.retargeting.folder import write_retargeted

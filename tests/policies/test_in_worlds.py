@@ -11,9 +11,9 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import PolicyError, UnknownNameError
+from mimoc.policies.behaviours.aiming import find_target
 from mimoc.policies.behaviours.behaviour import Subject
-from mimoc.policies.behaviours.targets import find_target
-from mimoc.policies.control.holding.postures import DrivenInfant
+from mimoc.policies.control.infant import DrivenInfant
 from mimoc.policies.named import policies_of, policy_of
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import parse_policies
@@ -87,7 +87,7 @@ def ran(world, policies, steps) -> Any:
 def test_each_infant_has_a_policy_of_its_own(world):
     world.reset(seed=0)
     acting = policies_of(world.infants, "anna=sit,ben=reflexes")
-    assert [type(policy).__name__ for policy in acting.values()] == ["BehaviourPolicy", "ReflexPolicy"]
+    assert [type(policy).__name__ for policy in acting.values()] == ["BehaviourPolicy", "OfOne"]
     one, other = policies_of(world.infants, "kick").values()
     assert one is not other
     summaries = ran(world, {"anna": "sit"}, 3)

@@ -1,16 +1,14 @@
 """Policies of many infants."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
 import mimoc
-from mimoc.base.errors import PolicyError
+from mimoc.base.errors import KindError, PolicyError
 from mimoc.policies.named import policy_of
 from mimoc.policies.policy import start_again
-from mimoc.schema.kinds import POLICIES
+from mimoc.schema.kinds import POLICIES, PolicyKind
 
 AGES_MONTHS = (1, 3, 7)
 MANY = [name for name in POLICIES if POLICIES[name].many]
@@ -61,8 +59,14 @@ def test_a_row_of_many_equals_the_single_infant_to_the_bit(bundles, name):
 
 def test_a_policy_without_many_acts_for_one_infant_after_another(built, registered):
     bundles = [built(age_months=age) for age in AGES_MONTHS]
-    with registered(replace(POLICIES["random"], name="lonely", many=None)):
+    alone = PolicyKind("lonely", "commands at random", lambda env: policy_of(env, "random"))
+    with registered(alone):
         assert together(bundles, "lonely+zero", 3, 9).tobytes() == together(bundles, "random", 3, 9).tobytes()
+
+
+def test_a_policy_that_cannot_act_is_refused():
+    with pytest.raises(KindError, match="'still' has nothing that acts; give `run` or `many`"):
+        PolicyKind("still", "does nothing")
 
 
 def test_a_function_from_an_environment_acts_for_many(built):

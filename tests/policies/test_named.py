@@ -1,5 +1,8 @@
 """Names of policies, and sums of them."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,7 @@ from mimoc.policies.rollout import Run
 from mimoc.policies.spec import parse_policy, trained_policies, usage
 from mimoc.schema.kinds import POLICIES, PolicyKind
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 BIAS = PolicyKind("bias", "commands the same always", lambda env, text: Bias(float(text), env), argument="COMMAND")
 
 
@@ -120,6 +124,28 @@ def test_what_is_no_policy_is_one_line(env, bias, text, error, says):
 
 def test_usage_says_what_stands_after_the_colon(bias):
     assert usage(bias) == "bias:COMMAND"
-    assert usage(PolicyKind("go", "goes", "mimoc.policies.zero", argument="TARGET[,HAND]")) == "go:TARGET[,HAND]"
-    assert usage(PolicyKind("grow", "grows", "mimoc.policies.zero", argument="[MONTHS]")) == "grow[:MONTHS]"
+    assert usage(replace(bias, argument="TARGET[,HAND]")) == "bias:TARGET[,HAND]"
+    assert usage(replace(bias, argument="[MONTHS]")) == "bias[:MONTHS]"
     assert [part.label for part in parse_policy("zero+bias:2")] == ["zero", "bias"]
+
+
+@pytest.mark.slow
+def test_general_movements_with_reflexes_are_recorded_and_replayed(tmp_path, invoke):
+    spec = tmp_path / "infant.yaml"
+    spec.write_text(
+        "mimoc: 1\nname: infant\nage_months: 1\nactuation: {model: muscle}\n"
+        "senses: {proprioception: {}, vestibular: {}, touch: {density: 0.3}}\nscene: {kind: flat, pose: supine}\n"
+    )
+    recording = tmp_path / "recording"
+    policy = "general_movements+reflexes"
+    assert invoke("run", spec, "--policy", policy, "--steps", 60, "--seed", 3, "--record", recording)[0] == 0
+    code, said, _ = invoke("replay", recording)
+    assert (code, said) == (0, "ok: all numbers of 1 episode, 60 control steps, came out again\n")
+
+
+def test_a_bad_policy_is_one_line_and_nothing_is_written(tmp_path, invoke):
+    spec, recording = CONFIGS / "newborn.yaml", tmp_path / "recording"
+    code, said, error = invoke("run", spec, "--policy", "zero:3", "--steps", 5, "--record", recording)
+    assert (code, said, error.count("\n")) == (2, "", 1)
+    assert "takes nothing after a colon" in error
+    assert not recording.exists()

@@ -11,10 +11,10 @@ import mimoc
 from mimoc.base.errors import RecordingError, UnknownNameError
 from mimoc.base.kinds import function_of
 from mimoc.motion.body_points import film
-from mimoc.movement import measure_movement
-from mimoc.movement.measured import measure_sides
-from mimoc.recording.movement_columns import GROUPS, MovementReader, groups_named, values_of
-from mimoc.runtime.quantities.movement_units import movement_units
+from mimoc.movement.measured import measure_movement, measure_sides
+from mimoc.movement.measures import movement_units
+from mimoc.recording.movement_columns import MovementReader, groups_named
+from mimoc.schema.kinds import MOVEMENT_GROUPS
 
 STEPS = 40
 
@@ -269,7 +269,8 @@ def test_many_moments_at_once_are_those_of_each(env):
         env.step(env.action_space.sample())
         reader.add(samples, 5)
         alone.append(reader.read())
-    numbers, texts = values_of(samples)
+    (kept,) = samples
+    numbers, texts = kept.values()
     for row, names, values in zip(numbers, texts, alone, strict=True):
         expected = [*values.values()]
         assert row.tolist() == pytest.approx(expected[: len(row)], rel=1e-12, nan_ok=True)
@@ -278,6 +279,6 @@ def test_many_moments_at_once_are_those_of_each(env):
 
 def test_groups_are_chosen_by_name_in_the_order_of_the_table():
     assert groups_named("contacts, keypoints") == ("keypoints", "contacts")
-    assert (groups_named("all"), groups_named("none")) == (tuple(GROUPS), ())
+    assert (groups_named("all"), groups_named("none")) == (tuple(MOVEMENT_GROUPS), ())
     with pytest.raises(UnknownNameError, match="'gase' is not a group of movement columns; did you mean 'gaze'"):
         groups_named("gase")

@@ -14,7 +14,7 @@ from support.worlds import ANNA, BEN, world
 
 import mimoc
 from mimoc.base.errors import MissingExtraError, OutputError, RenderingError, UnknownNameError
-from mimoc.policies import random
+from mimoc.policies.named import policy_of
 from mimoc.policies.rollout import Run
 from mimoc.recording import video
 from mimoc.recording.record import GAP_PX, VideoFrames, film_of
@@ -26,7 +26,7 @@ SIZE = {"height_px": 64}
 
 def stopping(error, after: int):
     def make(env):
-        act, taken = random.bind(env), iter(range(after))
+        act, taken = policy_of(env, "random"), iter(range(after))
 
         def policy(generator, observation):
             if next(taken, None) is None:

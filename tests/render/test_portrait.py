@@ -11,7 +11,7 @@ from scipy import ndimage
 import mimoc
 from mimoc.base.errors import RenderingError, UnknownNameError
 from mimoc.bundle.model import load_model, load_posed
-from mimoc.compiler import building, loading
+from mimoc.compiler import building
 from mimoc.components.senses.touch import run
 from mimoc.components.senses.touch.run import skin_markers
 from mimoc.render import body_camera
@@ -29,6 +29,7 @@ from mimoc.render.camera import (
 )
 from mimoc.render.opengl import open_context
 from mimoc.render.portrait import ROW_FOVY_DEG, Framing, lineup, overview, portrait
+from mimoc.schema.infant import load_spec
 
 
 def share_of(picture, colour):
@@ -40,7 +41,6 @@ def share_of(picture, colour):
 
 @pytest.fixture
 def open_camera():
-    """Return what opens the camera of a model."""
     cameras = []
 
     def open_one(model, width, height, *view):
@@ -175,7 +175,6 @@ class CountedContext:
 
 @pytest.fixture
 def contexts(monkeypatch):
-    """Return the contexts that are opened from now on."""
     opened = []
 
     def open_counted(width, height):
@@ -269,7 +268,6 @@ def test_infants_of_any_kind_stand_in_one_row(bundle):
 
 @pytest.fixture(scope="module")
 def feeling():
-    """Return a standing infant that feels touch, and its model and state."""
     spec = {"mimoc": 1, "name": "feeling", "age_months": 9, "senses": {"touch": {"density": 0.3}}}
     spec |= {"scene": {"pose": "standing"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
@@ -347,13 +345,11 @@ def test_an_infant_without_touch_has_no_skin_to_show(bundle_at):
 
 @pytest.fixture(scope="module")
 def playroom():
-    """Return what builds the playroom of a seed."""
-    return building.builder(loading.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
+    return building.builder(load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
 
 
 @pytest.fixture(scope="module")
 def room(built):
-    """Return an infant in a room with three toys."""
     return built(scene={"kind": "room", "pose": "sitting", "toys": {"count": [3, 3]}})
 
 

@@ -42,7 +42,6 @@ CAPSULE = """
 
 
 def drawn(exposure: Exposure, colour: str = ".6 .4 .3", elevation: float = -15.0, size: int = 300) -> np.ndarray:
-    """Return a picture of a capsule above a floor."""
     model = mujoco.MjModel.from_xml_string(CAPSULE.format(colour=colour))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -54,13 +53,11 @@ def drawn(exposure: Exposure, colour: str = ".6 .4 .3", elevation: float = -15.0
 
 
 def specks(picture: np.ndarray) -> int:
-    """Return how many pixels differ much from those around them."""
     grey = picture.astype(int).sum(axis=2)
     return int((np.abs(grey - ndimage.median_filter(grey, 5)) > 24).sum())
 
 
 def on_capsule(picture: np.ndarray) -> np.ndarray:
-    """Return which pixels show a red capsule, without its edge."""
     red, _, blue = picture.astype(int).transpose(2, 0, 1)
     return ndimage.binary_erosion(red - blue > 30, iterations=3)
 
@@ -216,7 +213,6 @@ def test_walls_in_front_of_what_is_shown_leave_no_haze():
 
 
 def lit(exposure: Exposure, daylight: Any) -> list[list[tuple[float, ...]]]:
-    """Return the strengths and directions of all lights that cast shadows, of each pass."""
     scene = mujoco.MjvScene(mujoco.MjModel.from_xml_string(CAPSULE.format(colour="1 1 1")), 10)
     scene.camera[0].frustum_near = scene.camera[1].frustum_near = 0.1
     shot = Shot(np.array([1.0, 0.0, 0.5]), 1.0, (180.0, -20.0), 24.0)

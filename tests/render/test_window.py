@@ -35,7 +35,6 @@ class Viewer:
 
 @pytest.fixture
 def screen(monkeypatch):
-    """Return what the stand-ins for screen, viewer and clock have seen."""
     seen = SimpleNamespace(viewers=[], now_s=100.0, slept_s=[])
 
     def launch(model, data, **options):

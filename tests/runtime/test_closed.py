@@ -13,9 +13,9 @@ from gymnasium.error import ClosedEnvironmentError
 from gymnasium.vector import SyncVectorEnv
 
 import mimoc
-from mimoc.runtime.batch.vector_env import BatchEnv
+from mimoc.runtime.batch_env import BatchEnv
 from mimoc.runtime.closing import STAYS
-from mimoc.runtime.opening.environments import open_infant
+from mimoc.runtime.opening import open_infant
 
 EYES = {"proprioception": {}, "touch": {"density": 0.1}, "vision": {"width_px": 16, "height_px": 16}}
 SIZE = {"render_mode": "rgb_array", "width": 32, "height": 32}

@@ -5,23 +5,17 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from support.running import actions
+from support.same import same
 
 import mimoc
 from mimoc.base.errors import BundleError, UnknownNameError
-
-
-def actions(env, count, seed=0):
-    return np.random.default_rng(seed).uniform(-1, 1, (count, *env.action_space.shape)).astype(np.float32)
 
 
 def rollout(env, commands, seed=0):
     """Return the observations of a reset and some steps, as one array for each sense."""
     seen = [env.reset(seed=seed)[0], *(env.step(command)[0] for command in commands)]
     return {sense: np.array([observation[sense] for observation in seen]) for sense in seen[0]}
-
-
-def same(first, second):
-    return first.keys() == second.keys() and all(np.array_equal(first[sense], second[sense]) for sense in first)
 
 
 # Gymnasium.

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.filter import Lags, lags_of
 from mimoc.runtime.term import stack_terms
+from mimoc.runtime.worlds import NUMPY
 
 seconds = st.floats(0.01, 100.0)
 

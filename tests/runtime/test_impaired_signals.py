@@ -13,7 +13,7 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_model, load_model
 from mimoc.components.senses.vision.foveation import visual_field
-from mimoc.runtime.delays.signals import Timing, within
+from mimoc.runtime.delays import Timing, within
 from mimoc.schema.senses import DelayEntry, PartDelay
 
 BASE = {"mimoc": 1, "name": "kim", "age_months": 9, "senses": {"proprioception": {}}}

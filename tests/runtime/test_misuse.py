@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.same import same
 
 import mimoc
 from mimoc.base.errors import MimocError
@@ -21,16 +22,6 @@ def env(open_env) -> mimoc.InfantEnv:
     env.reset(seed=1)
     env.step(np.zeros(env.action_space.shape))
     return env
-
-
-def same(first: Any, second: Any) -> bool:
-    if isinstance(first, dict):
-        return first.keys() == second.keys() and all(same(first[name], second[name]) for name in first)
-    if isinstance(first, (list, tuple)):
-        return len(first) == len(second) and all(map(same, first, second))
-    if isinstance(first, np.ndarray):
-        return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
-    return first == second
 
 
 def places(state: Any, path: tuple = ()) -> Iterator[tuple]:

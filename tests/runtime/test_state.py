@@ -7,10 +7,12 @@ from itertools import combinations
 import gymnasium
 import numpy as np
 import pytest
+from support.running import actions
+from support.same import same
 
 import mimoc
 from mimoc.base.errors import UnknownNameError
-from mimoc.runtime.expression import expression_of
+from mimoc.runtime.model_fields import expression_of
 from mimoc.schema.body import EXPRESSIONS
 
 SENSES = {
@@ -28,34 +30,24 @@ def bundle(request, built) -> mimoc.Bundle:
     return built(senses=SENSES, delays=DELAYS, actuation={"model": request.param})
 
 
-def actions(env, count=30, seed=0):
-    return np.random.default_rng(seed).uniform(-1, 1, (count, *env.action_space.shape)).astype(np.float32)
-
-
 def run(env, commands):
     """Return what follows: observations and, at the end, the whole state of the physics."""
     seen = [env.step(command)[0] for command in commands]
     return seen, env.get_state()["physics"]
 
 
-def same(one, other):
-    return np.array_equal(one[1], other[1]) and all(
-        np.array_equal(mine[key], theirs[key]) for mine, theirs in zip(one[0], other[0], strict=True) for key in mine
-    )
-
-
 def test_what_follows_a_state_follows_it_again(open_env, bundle):
     env = open_env(bundle=bundle)
     env.reset(seed=0)
-    run(env, actions(env, seed=1))
+    run(env, actions(env, 30, 1))
     state, last = env.get_state(), env.step(env.action_space.high)[0]
     before = env.get_state()
-    first = run(env, actions(env))
-    run(env, actions(env, seed=2))
+    first = run(env, actions(env, 30))
+    run(env, actions(env, 30, 2))
     env.reset(seed=3)
     observation = env.set_state(before)
     assert all(np.array_equal(observation[key], last[key]) for key in last)
-    assert same(run(env, actions(env)), first)
+    assert same(run(env, actions(env, 30)), first)
     env.set_state(state)
     again = env.step(env.action_space.high)[0]
     assert all(np.array_equal(again[key], last[key]) for key in last)
@@ -68,7 +60,7 @@ def test_a_state_is_not_changed_by_what_follows(open_env, bundle):
     state = env.get_state()
     kept = pickle.dumps(state)
     env.set_state(state)
-    run(env, actions(env))
+    run(env, actions(env, 30))
     assert pickle.dumps(state) == kept
 
 
@@ -86,13 +78,13 @@ def test_chance_is_part_of_the_state(open_env, bundle):
 def test_a_copy_goes_on_where_the_environment_was(bundle, duplicate, wrapped):
     env = mimoc.make(bundle, render_mode="rgb_array") if wrapped else mimoc.InfantEnv(bundle)
     env.reset(seed=0)
-    for command in actions(env, seed=1):
+    for command in actions(env, 30, 1):
         env.step(command)
     twin = duplicate(env)
-    mine = run(env.unwrapped, actions(env))
+    mine = run(env.unwrapped, actions(env, 30))
     if duplicate is not copy.copy or not wrapped:  # A shallow copy of a wrapper wraps the same environment.
         assert twin.unwrapped.data is not env.unwrapped.data
-        assert same(run(twin.unwrapped, actions(env)), mine)
+        assert same(run(twin.unwrapped, actions(env, 30)), mine)
     twin.close()
     env.close()
 
@@ -149,7 +141,7 @@ LEAST_DIFFERENCE = 15
 """So many pixels of a picture of 240 by 240 differ at least: it shows."""
 
 
-def open_env(expression: str | None = None, size: int = 240, **body) -> mimoc.InfantEnv:
+def opened(expression: str | None = None, size: int = 240, **body) -> mimoc.InfantEnv:
     body |= {} if expression is None else {"expression": expression}
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "body": body, "scene": {"kind": "flat", "pose": "sitting"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
@@ -161,7 +153,7 @@ def open_env(expression: str | None = None, size: int = 240, **body) -> mimoc.In
 
 @pytest.fixture(scope="module")
 def env():
-    env = open_env()
+    env = opened()
     yield env
     env.close()
 
@@ -194,14 +186,14 @@ def test_changing_back_and_forth_gives_the_same_picture(env):
 
 @pytest.mark.parametrize("expression", EXPRESSIONS)
 def test_the_specs_expression_is_the_one_it_starts_with(env, expression):
-    started = open_env(expression)
+    started = opened(expression)
     assert np.array_equal(started.render(), picture(env, expression))
     started.close()
 
 
 @pytest.mark.parametrize("skin", [True, False])
 def test_the_face_is_known_with_a_skin_and_without(skin):
-    env = open_env("sad", 16, skin=skin)
+    env = opened("sad", 16, skin=skin)
     assert expression_of(env.manifest, env.model) == "sad"
     env.set_expression("happy")
     assert expression_of(env.manifest, env.model) == "happy"
@@ -210,7 +202,7 @@ def test_the_face_is_known_with_a_skin_and_without(skin):
 
 def test_it_can_be_changed_while_running_and_moves_nothing():
     """Also through Gymnasium's wrappers, by `env.unwrapped`."""
-    serious, moody = open_env(), open_env()
+    serious, moody = opened(), opened()
     command = serious.action_space.high
     for expression in EXPRESSIONS:
         moody.unwrapped.set_expression(expression)
@@ -229,7 +221,7 @@ def test_an_unknown_one_is_refused_and_changes_nothing(env):
 
 
 def test_a_face_lasts_over_a_reset():
-    env = open_env("happy")
+    env = opened("happy")
     env.set_expression("angry")
     angry = env.render()
     env.reset(seed=0)

@@ -11,12 +11,12 @@ from mimoc.body.measurements import targets
 from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants
 from mimoc.fits import load_tables, measure
-from mimoc.fits.who import percentile
+from mimoc.fits.standards import percentile
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.body import INDICATORS
 from mimoc.schema.source import parse
 from mimoc.studies.growth import compare_with_anthrokids, grow_against_who
-from mimoc.studies.milestones.report import validate_milestones
+from mimoc.studies.milestones import validate_milestones
 
 BY_CM = {"sex": "male", "length_cm": 66.0, "weight_kg": 7.2, "head_circumference_cm": 43.1}
 ATTEMPTED = "leg_lift"

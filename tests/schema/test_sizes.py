@@ -8,8 +8,8 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.compiler.notes import notes
-from mimoc.compiler.toys.placing import Toybox
+from mimoc.compiler.manifest import notes
+from mimoc.compiler.toys import Toybox
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.outline import language_of

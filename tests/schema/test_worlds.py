@@ -5,7 +5,7 @@ from support.worlds import ANNA, BEN, plan, written
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.schema.world import LONGEST_NAME, in_world, plan_of
+from mimoc.schema.world import MAX_NAME, in_world, plan_of
 
 PAIR = "infants: [anna.yaml, ben.yaml]\n"
 
@@ -45,7 +45,11 @@ def test_the_problems_of_all_files_are_told_with_file_and_line(tmp_path):
         (PAIR + "scene: {pose: sitting}\n", "world.yaml:4:15: scene.pose", "each infant of a world has its own"),
         ("infants: [anna.yaml, world.yaml]\n", "world.yaml:3:1: infants", "this file describes a world"),
         ("infants: [anna.yaml, 3]\n", "world.yaml:3:22: infants[1]", "an infant; write the path of its spec"),
-        (f"infants: [{{spec: anna.yaml, name: {'a' * (LONGEST_NAME + 1)}}}]\n", "world.yaml:3:35: infants[0].name", ""),
+        (
+            f"infants: [{{spec: anna.yaml, name: {'a' * (MAX_NAME + 1)}}}]\n",
+            "world.yaml:3:35: infants[0].name",
+            "",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_where_it_is(tmp_path, text, where, what):

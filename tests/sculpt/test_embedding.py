@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from embedding import Curve, embedded, mirrored, right_half
+from cutting import Curve, embedded, mirrored, right_half
 from fields import ball
 from meshing import edges_of
 from scipy.spatial import ConvexHull
@@ -16,7 +16,6 @@ BALL = ball((0, 0, 0), RADIUS_MM)
 
 @pytest.fixture(scope="module")
 def drawn():
-    """Return a ball with two rings around it."""
     count = 400
     z = 1 - 2 * (np.arange(count) + 0.5) / count
     turn = np.arange(count) * np.pi * (3 - np.sqrt(5))

@@ -20,12 +20,10 @@ SKIN = inks_of(LooksSpec(), "shirt_and_trousers")["skin"]
 
 @pytest.fixture(scope="module")
 def painted() -> dict[str, bytes | Painted]:
-    """Return every picture, painted anew, by name."""
     return dict(make_pictures.paint_pictures())
 
 
 def face(expression: str) -> bytes:
-    """Return the cube texture of a spherical head."""
     return read_picture(f"face_round_{expression}")
 
 
@@ -34,13 +32,11 @@ def pixels(png: bytes) -> np.ndarray:
 
 
 def cells(png: bytes) -> dict[str, np.ndarray]:
-    """Return a face's texture cut into the six sides of its cube."""
     image = pixels(png).reshape(2, FACE_CELL_PX, 3, FACE_CELL_PX, 3).swapaxes(1, 2)
     return dict(zip(GRID_LAYOUT, image.reshape(6, FACE_CELL_PX, FACE_CELL_PX, 3), strict=True))
 
 
 def at(png: bytes, cell_px: int, *direction: float) -> np.ndarray:
-    """Return the colour of the texel nearest to a direction."""
     unit = np.asarray(direction) / np.linalg.norm(direction)
     return pixels(png).reshape(-1, 3)[np.argmax(directions(cell_px).reshape(-1, 3) @ unit)]
 

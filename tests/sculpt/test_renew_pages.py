@@ -15,7 +15,6 @@ def test_the_figures_of_a_page_are_of_todays_bodies_or_it_says_so(path):
 
 @pytest.fixture
 def copy(tmp_path, monkeypatch):
-    """Return what copies the page of an experiment, whose bodies are others then."""
     monkeypatch.setattr(renew_pages, "CHECKOUT", tmp_path)
 
     def give(name: str) -> Page:

@@ -3,11 +3,10 @@
 import re
 from pathlib import Path
 
-import picture_recipes
 import pytest
 import renew_pictures
-from picture_recipes import PICTURES, beside, in_rows, spec
 from PIL import Image
+from renew_pictures import PICTURES, beside, in_rows, spec
 
 import mimoc
 
@@ -23,7 +22,7 @@ def test_every_picture_with_a_recipe_is_small_and_shown_on_some_page():
 
 
 def test_recipes_know_all_tones_of_skin():
-    tones = [looks["skin"] for looks in picture_recipes.LOOKS]
+    tones = [looks["skin"] for looks in renew_pictures.LOOKS]
     assert len(tones) == len(set(tones)) == 6
 
 

@@ -24,7 +24,7 @@ from toys.shaping import (
 )
 from toys.solids import block, capsule, cylinder, ellipsoid, hoop, sphere, turned, wall
 
-from mimoc.compiler.toys.shape import Mesh, Solid, bounds, join, solid_volume
+from mimoc.compiler.toys import Mesh, Solid, bounds, join, solid_volume
 
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
 

@@ -6,7 +6,7 @@ import make_toys
 import numpy as np
 import pytest
 
-from mimoc.bundle.arrays import pack_arrays
+from mimoc.bundle.io import pack_arrays
 from mimoc.components.toys.builtin import FIGURES, MESHES, NAMES
 
 MADE = {toy.name: toy for toy in make_toys.make_toys()}

@@ -1,18 +1,25 @@
 """Experiments: trials that an interruption leaves intact, what their pages show, and experiments from outside."""
 
+import csv
 import json
+import math
+import re
 import textwrap
 import time
 from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
 
 import pytest
 
-from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, OutputError, UnknownNameError
+from mimoc.compiler import building
+from mimoc.schema.infant import InfantSpec
 from mimoc.studies import experiment as experiments, jobs
 from mimoc.studies.comparison import Reference, change_text, direction, interval, relative_changes, sign_test
 from mimoc.studies.experiment import TRIALS, Experiment, Lines, TrialResult, find_experiment, grid, run_experiment
-from mimoc.studies.notebook import open_notebook
+from mimoc.studies.notebook import bodies_digest, markdown_table, open_notebook
+from mimoc.studies.skills import CHILD, bodies_of, shipped_skills
 
 
 @dataclass(frozen=True)
@@ -148,7 +155,6 @@ EXPERIMENT = Experiment(name="doubling", trial=double, cases=(1.0, 2.0), seeds=(
 
 @pytest.fixture
 def own(tmp_path, monkeypatch):
-    """Return what writes a module of a new name, whose imports are undone."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -238,3 +244,113 @@ def test_a_direction_needs_more_than_chance():
     assert direction([0.1, -0.1] * 4) == "same"
     assert direction([0.1] * 5, least=0.2) == "same"
     assert direction([]) == "unclear"
+
+
+@pytest.fixture
+def notebook(tmp_path):
+    return open_notebook("growth", tmp_path / "deep" / "down", quick=True, development="maturing")
+
+
+def test_its_folder_is_made(notebook, tmp_path):
+    assert notebook.folder == tmp_path / "deep" / "down"
+    assert notebook.folder.is_dir()
+
+
+def test_a_table_reads_back_as_it_was_written(notebook):
+    notebook.write_table("some.csv", "name,size_m", [("a, b", 0.125), ("c", 1)])
+    with (notebook.folder / "some.csv").open(newline="") as file:
+        assert list(csv.DictReader(file)) == [{"name": "a, b", "size_m": "0.125"}, {"name": "c", "size_m": "1"}]
+
+
+def test_nothing_to_say_is_an_empty_cell(notebook):
+    notebook.write_table("some.csv", "a,b,c", [(None, math.nan, 0.0)])
+    assert (notebook.folder / "some.csv").read_bytes() == b"a,b,c\n,,0\n"
+
+
+def test_text_is_wrapped_and_tables_are_not(notebook):
+    table = markdown_table(("a", "b"), [("long " * 40, "1")])
+    page = notebook.write_page(f"# Growth\n\n{'many words ' * 40}\n\n{table}").read_text()
+    assert page.startswith("# Growth\n\nmany words many words")
+    assert table in page
+    assert max(len(line) for line in page.splitlines() if not line.startswith("|")) <= 120
+
+
+def test_what_is_there_already_stays(notebook):
+    (notebook.folder / "mine.txt").write_text("mine")
+    open_notebook("growth", notebook.folder, quick=False).write_table("some.csv", "a", [])
+    assert sorted(path.name for path in notebook.folder.iterdir()) == ["mine.txt", "some.csv"]
+
+
+@pytest.mark.parametrize(
+    ("place", "reason"),
+    [
+        ("file.txt", "is a file, not a folder; choose another folder"),
+        ("file.txt/results", "cannot be created"),
+        ("l" * 300, "cannot be created"),
+        ("nul\0", "a folder cannot have this name"),
+    ],
+)
+def test_a_folder_that_cannot_be_is_an_error(place, reason, tmp_path):
+    (tmp_path / "file.txt").write_text("mine")
+    with pytest.raises(OutputError, match=reason):
+        open_notebook("growth", tmp_path / place, quick=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
+
+
+def test_a_markdown_table_has_a_line_for_each_row():
+    assert markdown_table(("a", "b"), [("1", "2")]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
+
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+COLUMNS = (("maturing", "torque"), ("maturing", "muscle"), ("published", "torque"))
+"""Laws and actuation models of the table of milestones; its column of servos says itself of which bodies it is."""
+
+
+def child(**keys) -> InfantSpec:
+    return InfantSpec.model_validate({"mimoc": 1, "name": "kim", "age_months": 6} | keys)
+
+
+@pytest.fixture(scope="module")
+def digest() -> str:
+    return bodies_digest([child()])
+
+
+def test_what_moves_nothing_is_not_in_the_digest(digest):
+    other = child(name="lee", senses={"touch": {}, "vision": {}}, delays={"preset": "physiological"})
+    assert bodies_digest([other]) == digest
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [{"age_months": 6.1}, {"actuation": {"strength": {"arms": 0.99}}}, {"scene": {"kind": "room"}}],
+    ids=lambda keys: next(iter(keys)),
+)
+def test_what_moves_otherwise_changes_the_digest(keys, digest):
+    assert bodies_digest([child(**keys)]) != digest
+
+
+def test_a_bundle_has_the_digest_of_its_spec_and_order_matters():
+    first, second = child(), child(age_months=9)
+    both = bodies_digest([first, second])
+    assert bodies_digest([building.build(first), building.build(second)]) == both
+    assert bodies_digest([second, first]) != both
+    assert re.fullmatch("[0-9a-f]{16}", both)
+
+
+@pytest.mark.parametrize("report", shipped_skills().skills, ids=lambda report: report.skill)
+def test_results_of_skills_are_of_todays_bodies(report):
+    today = bodies_of(InfantSpec.model_validate(CHILD), [result.age_months for result in report.ages])
+    renew = f"learn it again (docs/skills.md): mimoc/studies/skills/results/{report.skill}.json"
+    assert report.bodies == today, f"{renew} is of the bodies {report.bodies}, today's are {today}"
+
+
+def test_the_table_of_milestones_is_of_todays_bodies():
+    page = (CHECKOUT / "docs" / "milestones.md").read_text(encoding="utf-8")
+    today = bodies_digest(
+        child(age_months=age_months, development=law, actuation={"model": model})
+        for law, model in COLUMNS
+        for age_months in (0, 6, 12)
+    )
+    (measured,) = re.findall(r"of the bodies `(\w+)`", page)
+    renew = "renew the table of docs/milestones.md with 'mimoc validate --against milestones'"
+    assert measured == today, f"{renew}: it is of the bodies {measured}, today's are {today}"

@@ -15,8 +15,6 @@ from mimoc import cli
 
 
 class Outcome(NamedTuple):
-    """What a command did."""
-
     code: int  # The exit code.
     out: str
     err: str

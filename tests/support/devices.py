@@ -1,14 +1,54 @@
-"""The device that the tests of MuJoCo Warp run on: its CPU, or a GPU if `MIMOC_TEST_DEVICE` says so."""
+"""Infants on MuJoCo Warp: on its CPU device, or on a GPU if `MIMOC_TEST_DEVICE` says so.
+
+Warp compiles its kernels once for each kind of model, so tests share few of these.
+"""
 
 import os
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from support import store
+
+import mimoc
 
 DEVICE = os.environ.get("MIMOC_TEST_DEVICE", "warp:cpu")  # As `mimoc.make_vec` takes it.
 WARP_DEVICE = DEVICE.removeprefix("warp:")  # The same, as Warp calls it.
 CLOSE = 1e-4  # Difference of angles [rad] that is left between MuJoCo and MuJoCo Warp after some steps.
+
+SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
+FEELING = {**SENSES, "touch": {"density": 0.5}}
+SITTING = {"kind": "flat", "pose": "sitting"}
+
+
+def spec(age_months: float = 9, **keys: Any) -> mimoc.InfantSpec:
+    data = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys}
+    return mimoc.InfantSpec.model_validate(data)
+
+
+def infant(age_months: float = 9, **keys: Any) -> mimoc.Bundle:
+    return store.built(spec(age_months, **keys))
+
+
+def sitting(age_months: float = 9, **keys: Any) -> mimoc.Bundle:
+    """Return an infant that sits, and feels with its skin."""
+    return infant(age_months, **{"senses": FEELING, "scene": SITTING, **keys})
+
+
+def random_actions(envs: Any, generator: np.random.Generator) -> np.ndarray:
+    space = envs.single_action_space
+    return generator.uniform(space.low, space.high, envs.action_space.shape).astype(np.float32)
+
+
+def still(envs: Any) -> np.ndarray:
+    return np.zeros(envs.action_space.shape, np.float32)
+
+
+def break_down(envs: Any) -> None:
+    """Let the first infant be so fast that its simulation becomes unstable."""
+    speeds = envs.worlds.data.qvel.numpy()
+    speeds[0] = 1e12
+    envs.worlds.data.qvel.assign(speeds)
 
 
 def assert_close(

@@ -17,8 +17,6 @@ SENSES = {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.5}}
 
 
 class Examiner:
-    """An infant, and what is done to it."""
-
     def __init__(self, bundle: mimoc.Bundle, trunk: str = "upper_body"):
         xml, files = mjcf_of(bundle.files, bundle.manifest.scene)
         spec = mujoco.MjSpec.from_string(xml, assets=files)
@@ -49,7 +47,6 @@ class Examiner:
             self.watch("zero", 0.3)
 
     def hold(self, pitch_rad: float = 0.0, roll_rad: float = 0.0) -> None:
-        """Hold the trunk where it is, turned about the axes of the world."""
         index = self.model.body("hands").mocapid[0]
         if not self.data.eq_active[self.model.equality("held").id]:
             self.held_m = self.data.body(self.trunk).xpos.copy()

@@ -1,6 +1,7 @@
 """Infants that are filmed while they kick, and files as pose estimators, MINI-RGBD and motion capture write them."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -17,6 +18,7 @@ from mimoc.motion.labels import MINI_RGBD_POINTS, known_name
 from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.motion.read_coco import COCO_17
 from mimoc.motion.read_mediapipe import LANDMARKS
+from mimoc.motion.read_mini_rgbd import FOLDERS, JOINTS, POINTS
 from mimoc.motion.read_openpose import BODY_25
 from mimoc.motion.timing import metres_in, seconds_in
 
@@ -52,7 +54,6 @@ def beside(recording: PointRecording, scale: float = 1.0, radii: float = 2.5, *,
 
 
 def missed(recording: PointRecording, frames: Any) -> PointRecording:
-    """Return it without any point in some frames, given by an index."""
     positions = recording.positions.copy()
     positions[frames] = np.nan
     return replace(recording, positions=positions)
@@ -68,7 +69,6 @@ SUPINE = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
 
 
 def filmed(frames: int = 60, names: tuple[str, ...] = MINI_RGBD_POINTS, seed: int = 0) -> PointRecording:
-    """Return what a camera above sees of it, without depth."""
     return replace(film(kicking_model(), kicking(frames, seed), 30.0, names), depth_m=None, name="kicking")
 
 
@@ -104,7 +104,6 @@ def write_openpose(
 
 
 def coco_entries(recording: PointRecording, **keys: object) -> list[dict[str, object]]:
-    """Return results for each frame, as COCO's evaluation and AlphaPose have them."""
     table = _table(recording, COCO_17)
     return [
         {"image_id": frame, "category_id": 1, "keypoints": row, "score": 0.9, **keys} for frame, row in enumerate(table)
@@ -248,3 +247,24 @@ def _table(recording: PointRecording, names: tuple[str, ...]) -> list[list[float
             table[seen, index, :2] = recording.positions[seen, at]
             table[seen, index, 2] = recording.confidence[seen, at]
     return table.reshape(recording.frames, -1).round(3).tolist()
+
+
+def write_mini_rgbd(recording: PointRecording, folder: Path) -> Path:
+    """Write a recording as a sequence of MINI-RGBD: joints in pixels with their depth, or in space.
+
+    Of 25 joints it has those that are points of the recording and are seen; places in space are in the frame of a
+    camera that looks down from the height of 1 m.
+    """
+    joints = FOLDERS[recording.unit == "m"]
+    place = folder / joints.folder
+    place.mkdir(parents=True, exist_ok=True)
+    numbers = [JOINTS.index(POINTS[name]) for name in recording.names]
+    depth_m = np.zeros(recording.confidence.shape) if recording.depth_m is None else recording.depth_m
+    columns = np.concatenate([recording.positions, depth_m[..., None]], axis=-1)[..., :3]
+    if joints.in_space:
+        columns = columns * (1.0, -1.0, -1.0) + (0.0, 0.0, 1.0)
+    for frame, rows in enumerate(columns.tolist()):
+        seen = [(row, number) for row, number in zip(rows, numbers, strict=True) if not math.isnan(sum(row))]
+        text = "".join(f"{first!r} {second!r} {third!r} {number}\n" for (first, second, third), number in seen)
+        (place / f"{joints.prefix}{frame:05d}.txt").write_text(text)
+    return folder

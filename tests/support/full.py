@@ -27,15 +27,13 @@ FILES = tuple(  # Files and folders that need them throughout; elsewhere, single
     for name in (
         *("consumers", "runtime/device", "runtime/test_learning.py", "render/test_triton.py", "viewer/test_live.py"),
         *(f"fuzz/test_{name}.py" for name in ("crafted_folders", "lives")),
-        *(f"studies/experiments/test_{name}.py" for name in ("experiments", "figures", "growing")),
-        *("studies/skills/test_trainings.py", "test_docstrings.py", "test_notebook.py", "test_trainings_in_docs.py"),
-        *(f"training/test_{name}.py" for name in ("custom", "device_training", "episodes", "evaluation", "policies")),
-        *(f"training/test_{name}.py" for name in ("recorded", "sb3_vec_env", "tracking", "train_command", "trainer")),
-        *(f"training/test_{name}.py" for name in ("training_together", "world_vec_env")),
+        *("studies/experiments/test_experiments.py", "test_docstrings.py", "test_notebook.py"),
+        "test_trainings_in_docs.py",
+        *(f"training/test_{name}.py" for name in ("custom", "device_training", "episodes", "policies")),
+        *(f"training/test_{name}.py" for name in ("sb3_vec_env", "tracking", "train_command", "trainer")),
     )
 )
 
 
 def needs_extras(path: Path) -> bool:
-    """Return whether a file of tests, or a folder, needs such libraries throughout."""
     return any(path == file or file in path.parents for file in FILES)

@@ -15,8 +15,6 @@ PLAIN = {"skin": False}
 
 @dataclass(frozen=True)
 class Furnished:
-    """An infant among furniture, at the start."""
-
     bundle: mimoc.Bundle
     model: mujoco.MjModel
     data: mujoco.MjData

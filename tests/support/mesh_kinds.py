@@ -60,7 +60,6 @@ def with_a_corner_at(mesh: Arrays, *place: float) -> Arrays:
 
 
 def cup() -> Arrays:
-    """Return a hollow cylinder without a lid."""
     side = creation.cylinder(0.4, 1.0, sections=24)
     return arrays_of(side)[0], np.array(side.faces[side.face_normals[:, 2] < 0.5])
 
@@ -176,7 +175,6 @@ WRITERS: dict[str, Callable[[Arrays], bytes]] = {"obj": obj, "stl": stl, "ply": 
 
 
 def put(root: Path, name: str, content: bytes, kind: str = "obj") -> Path:
-    """Write the mesh of an object where Toys4K has it, and return its file."""
     folder = root / name.rpartition("_")[0] / name
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"mesh.{kind}").write_bytes(content)

@@ -59,3 +59,8 @@ def _with_arrays(value: Any, arrays: list[np.ndarray]) -> Any:
         found = arrays[value["array"]]
         return places_of(found) if "unit" in value else found
     return {key: _with_arrays(each, arrays) for key, each in value.items()}
+
+
+def wait_for(page: Any, condition: str) -> None:
+    """Wait until a condition holds; Playwright's own way makes functions of text, which pages forbid themselves."""
+    page.evaluate(f"(async () => {{ while (!({condition})) await new Promise((next) => setTimeout(next, 20)); }})()")

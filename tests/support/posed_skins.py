@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from mimoc.body.kinematics import frames
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.mjcf.skin import SkinLayer
+from mimoc.compiler.mjcf.scene import SkinLayer
 
 NEAR_M = 0.02  # Middles of an edge and of a face that cross are nearer than this.
 
@@ -31,7 +31,6 @@ def lengths(verts: np.ndarray, pairs: np.ndarray) -> np.ndarray:
 
 
 def random_frames(tree: BodyTree, count: int, seed: int) -> Iterator[dict]:
-    """Yield the frames of bodies in random poses within the limits of all joints."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         yield frames(tree, {name: np.radians(rng.uniform(*joint.range_deg)) for name, joint in tree.joints.items()})

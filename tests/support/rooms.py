@@ -30,14 +30,12 @@ FLOORS = (  # The rooms from the ground up. Each may import those on the floors 
 )
 FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 ALIASES = {"version": "base", "__main__": "cli"}
-NAMED_RECORDS = ("mimoc.schema.kinds", "mimoc.base.quantities.")
+NAMED_RECORDS = ("mimoc.schema.kinds", "mimoc.base.quantities", "mimoc.base.movement_quantities")
 """Tables that name the code of their records by module, to be imported when it is asked for."""
 
 
 @dataclass(frozen=True)
 class Import:
-    """One import, as it is written."""
-
     module: str  # Full name of the importing module.
     line: int
     name: str  # Full name of what is imported.

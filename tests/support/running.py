@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
 import pytest
 from support import store
 
@@ -22,6 +23,15 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
     return store.built({**spec, **keys})
+
+
+def actions(env: Any, count: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(-1, 1, (count, *env.action_space.shape)).astype(np.float32)
+
+
+def flail(env: Any, steps: int, seed: int = 0) -> list[dict[str, np.ndarray]]:
+    """Return what is observed after each of some random actions."""
+    return [env.step(action)[0] for action in actions(env, steps, seed)]
 
 
 @pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)

@@ -21,3 +21,14 @@ def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
         assert ours.tobytes() == theirs.tobytes(), where
     else:
         assert ours == theirs, where
+
+
+def same(ours: Any, theirs: Any) -> bool:
+    """Return whether nests of dictionaries, lists, arrays and numbers are the same to the bit."""
+    if isinstance(ours, dict):
+        return ours.keys() == theirs.keys() and all(same(ours[name], theirs[name]) for name in ours)
+    if isinstance(ours, (list, tuple)):
+        return len(ours) == len(theirs) and all(map(same, ours, theirs))
+    if isinstance(ours, np.ndarray):
+        return np.array_equal(ours, theirs, equal_nan=ours.dtype.kind == "f")
+    return ours == theirs

@@ -31,7 +31,6 @@ def started(bundle: mimoc.Bundle, pose: str | None = None) -> tuple[mujoco.MjMod
 
 
 def deepest_m(bundle: mimoc.Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> float:
-    """Return how deep an object is inside of anything at most."""
     roots = [model.body(item.body).id for item in bundle.manifest.objects]
     pairs = model.body_rootid[model.geom_bodyid[data.contact.geom]]
     return float(-data.contact.dist[np.isin(pairs, roots).any(axis=1)].min(initial=0.0))

@@ -41,7 +41,6 @@ def child(age_months: float = 9, hands: str = "mitten", **body) -> BodyTree:
 
 @st.composite
 def children(draw) -> BodyTree:
-    """Children of any age, with parts and measurements that a spec changes at will."""
     hands, age_months = draw(st.sampled_from(HANDS)), draw(st.floats(0, 24))
     parts = st.sampled_from((*trunk_bodies(), *limb_bodies(hands)))
     factors = st.fixed_dictionaries({"length": st.floats(0.5, 2), "girth": st.floats(0.5, 2)})

@@ -35,8 +35,6 @@ HELD_KGM2 = 1e6  # Armature of joints that strength holds.
 
 @dataclass(frozen=True)
 class Rest:
-    """What became of a start pose."""
-
     spec: mimoc.InfantSpec
     pose: str
     moved_m: float  # Farthest that a hand or a foot is from where it was, after 2 s.
@@ -60,7 +58,6 @@ class Rest:
 
 
 def spec_of(age_months: float, hands: str = "mitten", **sections: Any) -> mimoc.InfantSpec:
-    """Return the spec of an infant without senses."""
     body = {"hands": hands, "chest_joint": hands == "five_finger", "skin": False, **sections.pop("body", {})}
     data = {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, **sections}
     return mimoc.InfantSpec.model_validate(data)

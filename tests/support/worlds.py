@@ -26,7 +26,6 @@ def written(folder: Path, text: str, **infants: dict[str, Any]) -> Path:
 
 
 def plan(path: Path) -> WorldPlan:
-    """Return the world in a file."""
     return read_world(source.read(path))
 
 
@@ -35,7 +34,6 @@ def placed(infants: dict[str, dict[str, Any]], *places: dict[str, Any], **keys: 
 
 
 def plan_of(infants: dict[str, dict[str, Any]], *places: dict[str, Any], **keys: Any) -> WorldPlan:
-    """Return the world of infants by name, each at a place."""
     entries = [{"spec": name, "name": name, **place} for name, place in zip(infants, places, strict=True)]
     data = {"mimoc": 1, "name": "placed", "infants": entries, **keys}
     spec = read_keys(WorldSpec, source.in_memory_as_text(data, "<placed>", Path()))

@@ -9,9 +9,8 @@ import pytest
 from support import store
 
 import mimoc
-from mimoc.bundle.arrays import unpack_arrays
-from mimoc.render.plots.file import encode
-from mimoc.render.plots.plot import Sheet
+from mimoc.bundle.io import unpack_arrays
+from mimoc.render.plots import Sheet, encode
 
 TINY = {
     "ppo": {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1},
@@ -53,20 +52,16 @@ def _curves_of_one_length_are_drawn_once() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def built() -> Callable[..., mimoc.Bundle]:
-    """Return what builds the infant that reaches, with some keys of its spec."""
     return build
 
 
 @pytest.fixture(scope="session")
 def bundle() -> mimoc.Bundle:
-    """Return the infant that reaches."""
     return build()
 
 
 @pytest.fixture
 def learn(bundle, tmp_path) -> Callable[..., Any]:
-    """Return what trains the infant for some steps, in a folder of some name."""
-
     def train(name: str = "run", steps: int = 2 * EVERY, algo: str = "ppo", **options: Any) -> Any:
         source = options.pop("source", bundle)
         options = {"envs": 2, "checkpoint_every": EVERY, "hyper": TINY[algo]} | options
@@ -85,8 +80,6 @@ def trained(bundle, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def learned() -> Callable[[Path], Any]:
-    """Return what reads the weights and the statistics in the file of a policy."""
-
     import torch
 
     def read(policy: Path) -> Any:

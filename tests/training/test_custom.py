@@ -39,8 +39,6 @@ class Count:
 
 
 class Clock:
-    """The time, as an observation."""
-
     space = Box(0.0, 10.0, (1,), np.float32)
 
     def __call__(self, data):

@@ -8,7 +8,7 @@ import pytest
 from gymnasium.spaces import Box
 
 import mimoc
-from mimoc.base.errors import TrainingError
+from mimoc.base.errors import RecordingError, TrainingError
 from mimoc.policies.rollout import Run
 from mimoc.training.settings import STEPS_PER_EPISODE, TrainingSettings
 
@@ -24,15 +24,11 @@ class Height:
 
 
 class Dull(Height):
-    """The same reward at every step."""
-
     def judge(self, data, action, effort):
         return 0.5
 
 
 class Goal(Height):
-    """It also lets the infant know something."""
-
     spaces = {"goal": Box(0.0, 1.0, (1,), np.float32)}  # noqa: RUF012
 
     def observe(self):
@@ -40,8 +36,6 @@ class Goal(Height):
 
 
 class Failing(Height):
-    """It stops working."""
-
     def judge(self, data, action, effort):
         if data.time > 0.5:
             raise ZeroDivisionError
@@ -182,3 +176,47 @@ def test_what_was_learnt_before_an_interruption_is_kept(learn, built, tmp_path, 
     curve = mimoc.training.Curve.from_csv((tmp_path / "run" / "curve.csv").read_text())
     assert curve.steps > 64
     assert not (tmp_path / "run" / "state.zip").exists()
+
+
+EVERY_STEPS = 128
+
+
+def facts(folder) -> list[tuple]:
+    found = mimoc.read_recording(folder)
+    return [(each.infant, each.number, each.ended, each.actions.tobytes(), each.rewards.tobytes()) for each in found]
+
+
+@pytest.mark.slow
+def test_a_resumed_training_has_recorded_what_an_uninterrupted_one_has(learn, tmp_path):
+    """What a killed interval has recorded is replaced, not repeated."""
+
+    def stop(done: int, total: int) -> None:
+        if done > 1.5 * EVERY_STEPS:
+            raise KeyboardInterrupt
+
+    learn("whole", record=tmp_path / "recorded whole")
+    with pytest.raises(KeyboardInterrupt):
+        learn("parts", record=tmp_path / "recorded parts", progress=stop)
+    cut = facts(tmp_path / "recorded parts")
+    learn("parts", record=tmp_path / "recorded parts")
+    whole = facts(tmp_path / "recorded whole")
+    assert facts(tmp_path / "recorded parts") == whole
+    assert 0 < len(cut) <= len(whole)
+    assert all(each.difference is None for each in mimoc.replay_recording(tmp_path / "recorded whole"))
+
+
+def test_another_training_in_the_same_folder_takes_nothing_away(learn, tmp_path):
+    for name, seed in (("one", 1), ("other", 2), ("again", 1)):
+        learn(name, steps=EVERY_STEPS, seed=seed, record=tmp_path / "recorded")
+    recording = mimoc.read_recording(tmp_path / "recorded")
+    assert sum(episode.steps for episode in recording) == 3 * EVERY_STEPS
+    assert np.isfinite(recording[0].rewards).all()
+
+
+def test_what_cannot_be_recorded_is_said_before_anything_is_written(learn, tmp_path):
+    with pytest.raises(TrainingError, match="leave out --processes and --one-process"):
+        learn("run", record=tmp_path / "recorded", processes=False)
+    (tmp_path / "letter.txt").write_text("dear")
+    with pytest.raises(RecordingError, match="the folder is not empty and no recording"):
+        learn("run", record=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["letter.txt"]

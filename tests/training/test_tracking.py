@@ -11,8 +11,6 @@ from mimoc.training.tracking import ASKED_BY
 
 
 class Recorded(ModuleType):
-    """A tracker that keeps what it is told."""
-
     def __init__(self, name):
         super().__init__(name)
         self.told, self.begun, self.ended = [], [], 0

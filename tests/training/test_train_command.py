@@ -22,9 +22,10 @@ import mimoc
 from mimoc import cli
 from mimoc.cli import console
 from mimoc.cli.terminal import resumable
-from mimoc.cli.training_output import Lines, shown
+from mimoc.cli.train import Lines, shown
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.training.checkpoint import read_progress
-from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize
+from mimoc.training.curve import summarize
 
 EVERY = 128  # Steps between checkpoints.
 TOLD = ["--envs", "2", "--checkpoint-every", str(EVERY), "--threads", "2"]
@@ -60,7 +61,6 @@ def here(tmp_path, monkeypatch, bundle) -> Path:
 
 
 def started(*arguments, **options) -> subprocess.Popen:
-    """Start a training without end in a process of its own."""
     pipes = {"stdout": None, "stderr": None, "text": False}
     return process("train", "out", "-o", "run", "--steps", 10**7, *TOLD, *arguments, **pipes | options)
 
@@ -124,9 +124,9 @@ def test_lines_come_with_the_first_row_and_then_now_and_then():
         now_s = step / 10
         lines.report(100 + step, 100_100)
         if step == 50:
-            lines.on_row(summarize([], 150, 0.01, 5.0, [UnfinishedEpisode(1.5, 8)]))
+            lines.on_row(summarize([], 150, 5.0, [EpisodeResult(1.5, 8, False, 0.08)]))
         if step == 1000:
-            lines.on_row(summarize([FinishedEpisode(-2.0, 9, False)], 1100, 0.01, 100.0))
+            lines.on_row(summarize([EpisodeResult(-2.0, 9, False, 0.09)], 1100, 100.0))
     assert written[0] == "150 of 100,100 steps, mean return so far 1.5 in unfinished episodes, 2.8 h left"
     assert written[-1].startswith("9")
     assert ", mean return -2, " in written[-1]
@@ -149,7 +149,7 @@ def test_in_a_terminal_a_bar_has_the_return_before_it(monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     with shown() as training:
         training.report(1, 9)
-        training.on_row(summarize([FinishedEpisode(-2.0, 9, False)], 2, 0.01, 1.0))
+        training.on_row(summarize([EpisodeResult(-2.0, 9, False, 0.09)], 2, 1.0))
         training.report(2, 9)
     assert drawn == [(1, 9, "training"), (2, 9, "training, mean return -2")]
 
@@ -235,7 +235,6 @@ def drained(terminal: int) -> bytes:
 
 @pytest.fixture(scope="module")
 def blind(built) -> mimoc.Bundle:
-    """Return an infant without senses."""
     return built(senses={})
 
 

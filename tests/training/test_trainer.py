@@ -14,8 +14,7 @@ from support.full import full_but
 import mimoc
 import mimoc.training
 from mimoc.base.errors import BundleError, MimocError, TrainingError, UnknownNameError
-from mimoc.bundle.arrays import pack_arrays, unpack_arrays
-from mimoc.bundle.io import LOCK
+from mimoc.bundle.io import LOCK, pack_arrays, unpack_arrays
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import TrainingSettings
@@ -29,7 +28,6 @@ def everything_in(folder):
 
 
 def timeless(curve):
-    """Return a curve without the time that it took."""
     return mimoc.training.Curve(tuple(replace(row, wall_s=0.0) for row in curve.rows)).to_csv()
 
 

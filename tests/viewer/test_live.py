@@ -42,12 +42,10 @@ def get(live, path: str, **headers: str) -> HTTPResponse:
 
 
 def path_of(live) -> str:
-    """Return the path of the address, with its token."""
     return live.address.partition(str(urlsplit(live.address).port))[2]
 
 
 def cookie_of(live) -> str:
-    """Open the address, and return the cookie that it gives."""
     return get(live, path_of(live)).getheader("Set-Cookie").partition(";")[0]
 
 

@@ -1,12 +1,15 @@
 """What pages know of an infant is what mimoc builds, at every age; and they ask nothing of anybody else."""
 
 import hashlib
+import json
 import re
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings as hypothesis_settings, strategies as st
+from support import store
 from support.pages import at_age, few_ages, read_page
 
 import mimoc
@@ -14,7 +17,7 @@ from mimoc import fits
 from mimoc.base.errors import MimocError
 from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants
-from mimoc.fits.who import percentile
+from mimoc.fits.standards import percentile
 from mimoc.viewer import encoding as packing
 from mimoc.viewer.page import describe, fill, page_of
 
@@ -170,3 +173,62 @@ def test_a_page_has_no_furniture_and_no_caregiver_where_objects_do_not_suit_all_
     with few_ages():
         known = describe(mimoc.build(spec))
     assert [name for name in known["surroundings"] if name == "object_chair"] == []
+
+
+@pytest.fixture(scope="module")
+def bundle() -> mimoc.Bundle:
+    return store.built(CONFIGS / "nine_months.yaml")
+
+
+@pytest.fixture(scope="module")
+def pages(bundle) -> tuple[str, str]:
+    data = describe(bundle, physics=True)
+    return fill(data), fill({**data, "physics": None})
+
+
+@pytest.fixture(scope="module")
+def physics(pages) -> dict:
+    return read_page(pages[0])["physics"]
+
+
+def bare(described: dict) -> mujoco.MjModel:
+    files = {name: content.tobytes() for name, content in described["files"].items()}
+    return mujoco.MjModel.from_xml_string(described["scene"].tobytes().decode(), files)
+
+
+def test_a_model_of_a_page_moves_as_the_bundle_does_to_the_bit(physics, bundle):
+    (own,) = [model for model in physics["models"] if model["age_months"] == 9]
+    moved = []
+    for model in (bare(own), load_model(bundle)):
+        model.opt.disableflags = 0  # The bundle's is prepared for this machine.
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("sitting").id)
+        data.ctrl[:] = np.linspace(-1, 1, model.nu)
+        mujoco.mj_step(model, data, 100)
+        moved.append(data.qpos.copy())
+    assert np.array_equal(*moved)
+
+
+def test_models_of_a_page_have_no_pictures_and_are_of_many_ages(physics):
+    ages = [described["age_months"] for described in physics["models"]]
+    assert (ages[0], ages[-1], len(ages)) == (0, 24, 11)
+    masses = [float(bare(described).body_mass.sum()) for described in physics["models"][::5]]
+    assert masses == sorted(masses)
+    assert bare(physics["models"][0]).ntex == 0
+
+
+def test_what_is_commanded_is_what_an_action_commands(physics, bundle):
+    env = mimoc.InfantEnv(bundle)
+    assert env.action_space.shape == (len(physics["commanded"]),)
+    assert physics["step_s"] == bundle.manifest.step_ms / 1000
+    own = load_model(bundle)
+    assert own.body(physics["bodies"][0]).name == bundle.manifest.root_body
+
+
+def test_only_a_page_with_physics_contains_mujoco_and_its_licences(pages):
+    page, plain = pages
+    assert json.loads(re.findall(r'id="data">(.*?)</script>', plain, re.DOTALL)[0])["physics"] is None
+    assert "Apache License" in page
+    assert "Apache License" not in plain
+    assert len(page) - len(plain) > 3e6
+    assert "'unsafe-eval'" not in plain

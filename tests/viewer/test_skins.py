@@ -63,7 +63,6 @@ def test_vertices_go_where_mujoco_moves_them(bundle_at):
 
 
 def moved(model, data, body, bind_pos, bind_quat, vertex_m) -> np.ndarray:
-    """Return where a body takes a vertex that was bound to it."""
     bind = np.zeros(9)
     mujoco.mju_quat2Mat(bind, bind_quat.astype(float))
     return data.xpos[body] + data.xmat[body].reshape(3, 3) @ bind.reshape(3, 3).T @ (vertex_m - bind_pos)

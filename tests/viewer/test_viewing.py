@@ -15,7 +15,7 @@ from support.worlds import placed
 
 import mimoc
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.runtime.opening.parallel import shared_world
+from mimoc.runtime.opening import shared_world
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.viewer.growth import own_parts
 

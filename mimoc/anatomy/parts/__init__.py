@@ -4,14 +4,14 @@ from collections import Counter
 from collections.abc import Iterator
 
 from mimoc.anatomy.part import MATURING_GROUPS, BodyGeometry, PartKind, ReferencePart
-from mimoc.anatomy.parts import arm, hands, head, legs, trunk
+from mimoc.anatomy.parts import hands, head, trunk
+from mimoc.anatomy.parts.limbs import ARM, FLAT, LEFT_TWO_TOED, LEG, RIGHT_TWO_TOED
 from mimoc.base.errors import KindError, suggestion
 from mimoc.base.kinds import Registry
 
 PARTS = Registry(PartKind, "body part", (hands.MITTEN, hands.FIVE_FINGER))  # What a spec can choose or add.
 
-TRUNK, ARM, HEAD, EYES, LEG = trunk.KIND, arm.KIND, head.KIND, head.EYES, legs.LEG
-FLAT_FEET, TWO_TOED_FEET = (legs.FLAT, legs.FLAT), (legs.RIGHT_TWO_TOED, legs.LEFT_TWO_TOED)
+TRUNK, HEAD, EYES = trunk.KIND, head.KIND, head.EYES
 
 
 def kinds_of_hands() -> tuple[str, ...]:
@@ -26,7 +26,7 @@ def extra_kinds() -> tuple[str, ...]:
 
 def feet_of(kind: str) -> tuple[PartKind, PartKind]:
     """Return the right and the left foot of an infant with hands of some kind."""
-    return TWO_TOED_FEET if kind == hands.FIVE_FINGER.name else FLAT_FEET
+    return (RIGHT_TWO_TOED, LEFT_TWO_TOED) if kind == hands.FIVE_FINGER.name else (FLAT, FLAT)
 
 
 def check_parts(kind: PartKind) -> None:

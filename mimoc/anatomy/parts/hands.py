@@ -20,7 +20,7 @@ from mimoc.anatomy.part import (
     ReferenceMotor,
     ReferencePart,
 )
-from mimoc.anatomy.parts.arm import WRIST_JOINTS, WRIST_MOTORS
+from mimoc.anatomy.parts.limbs import WRIST_JOINTS, WRIST_MOTORS
 from mimoc.anatomy.sections import CLEARANCE_M
 from mimoc.anatomy.segments import FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Hand, Limb, Proportions
 from mimoc.base.errors import GeometryError

@@ -79,7 +79,7 @@ EYE = ReferencePart(
 HEIGHT = 1.15
 """Vertical half axis by the radius of a circle with the head's circumference (D): at 18 months, it is 17 cm from the
 vertex to the chin (M)."""
-CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M  # Of the head before the neck joint, in head radii (MIMo).
+CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M  # Distance of the head before the neck joint, in head radii (MIMo).
 EYE_PLACE: Vec3 = (0.8975, -0.4300, -0.0980)
 """Place of the right eye, for half axes of one (D): the eyes are 3.5 cm apart at birth and 4.7 cm at 18 months; MIMo's
 are 3.6 and 4.9 cm apart, on heads that are 16 % broader."""

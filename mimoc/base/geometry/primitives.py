@@ -15,7 +15,7 @@ from mimoc.base.geometry.rotations import FloatArray
 
 PRECISION = 1e-14  # Relative change at which the search for the nearest point ends; Newton's steps double the digits.
 MAX_STEPS = 60  # More than any ellipsoid needs: five to ten are usual.
-SMALLEST = 1e-14
+MIN_COORDINATE = 1e-14
 """Least coordinate of a point along a half axis, relative to it, so that its nearest point is on one side."""
 RINGS, SPOKES = 24, 48  # Nodes of the quadrature of an area: exact to twelve digits for half axes up to two to one.
 QUADRATURE = np.polynomial.legendre.leggauss(RINGS)
@@ -52,7 +52,7 @@ def nearest_points(half_axes: Sequence[float], points: FloatArray) -> FloatArray
     """
     axes = np.array(half_axes, float)
     others = axes**2 - axes.min() ** 2
-    scaled = np.maximum(np.abs(points) * axes, SMALLEST * axes**2)
+    scaled = np.maximum(np.abs(points) * axes, MIN_COORDINATE * axes**2)
     least = (scaled - others).max(axis=1)
     u = np.maximum(axes.min() ** 2 * np.sqrt(((points / axes) ** 2).sum(axis=1)), least)
     for _ in range(MAX_STEPS):
@@ -123,8 +123,8 @@ def girth(kind: Kind, size: Size) -> float:
 class Extents:
     """How far n primitives reach from their centres: each is the sum of a box and an ellipsoid (Minkowski)."""
 
-    half_edges: FloatArray  # Of the boxes, shape (n, 3).
-    half_axes: FloatArray  # Of the ellipsoids, shape (n, 3).
+    half_edges: FloatArray  # Half edges of the boxes, shape (n, 3).
+    half_axes: FloatArray  # Half axes of the ellipsoids, shape (n, 3).
 
     def along(self, directions: FloatArray) -> FloatArray:
         """Return how far each reaches along unit vectors of its own frame (..., n, 3), shape (..., n): its support."""
@@ -221,7 +221,7 @@ DIRECTIONS = 360  # Directions in which a tape is taken to touch; the girth of a
 class Solids:
     """Some primitives in their places."""
 
-    extents: Extents  # Of each of n from its centre.
+    extents: Extents  # How far each of the n primitives reaches from its centre.
     centres: FloatArray  # Shape (n, 3).
     rotations: FloatArray  # World from primitive, shape (n, 3, 3).
 

@@ -16,7 +16,7 @@ Where = Literal["in_front", "beside", "above"]
 UP = np.array([0.0, 0.0, 1.0])
 LEVEL = 0.35  # Level part of a direction below which it counts as vertical: 70 degrees of elevation.
 FLOOR_M = 0.02  # Gap between a head and the floor at least.
-NEAREST_M = 0.2  # Distance of two faces at least.
+MIN_DISTANCE_M = 0.2  # Distance of two faces at least.
 UPRIGHT_RAD, BENT_RAD = math.radians(15), math.radians(70)
 """Lean of a trunk that looks straight ahead, and how much more it leans that looks straight down; assumptions."""
 
@@ -36,8 +36,8 @@ class Figure:
 class Leaning:
     """Where head and trunk are."""
 
-    head: Frame  # That of its centre.
-    trunk: Frame  # That of the neck's base.
+    head: Frame  # Frame of the centre of the head.
+    trunk: Frame  # Frame of the trunk at the base of the neck.
 
 
 def lean(
@@ -60,8 +60,8 @@ def lean(
     way = {"in_front": ahead, "beside": toward, "above": UP}[where]
     face_m = seen_m + distance_m * way
     face_m[2] = max(face_m[2] if height_m is None else height_m, figure.crown_m + FLOOR_M)
-    if np.linalg.norm(face_m - seen_m) < NEAREST_M:
-        face_m = seen_m + NEAREST_M * UP
+    if np.linalg.norm(face_m - seen_m) < MIN_DISTANCE_M:
+        face_m = seen_m + MIN_DISTANCE_M * UP
     gaze: FloatArray = (seen_m - face_m) / np.linalg.norm(seen_m - face_m)
     level = _level(gaze, turn[:, 2], -turn[:, 0])
     down_rad = math.asin(min(max(-gaze[2], 0.0), 1.0))

@@ -135,4 +135,4 @@ def cross(one: FloatArray, other: FloatArray) -> FloatArray:
 
 
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
-"""Of each axis, the index of the one after it and of the one before it."""
+"""Index of the next and of the last but one axis, by axis: the factors of a cross product."""

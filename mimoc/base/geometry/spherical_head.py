@@ -19,15 +19,14 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from mimoc.base.geometry.rotations import FloatArray
 
 SOUND_M_S = 343.0
 RADIUS_OF_ADULTS_M = 0.0875  # Radius of the sphere whose interaural times are those of adults (Woodworth 1938).
 CIRCUMFERENCES = 0.964
 """Radius of the sphere in adults' circumferences / 2 π: 57 cm of adults. Derived; assumed of infants, too."""
-LEAST, AT = 0.1, math.radians(150.0)  # Smallest a, and the angle where it is (Brown & Duda).
+MIN_SHARE, MIN_AT_RAD = 0.1, math.radians(150.0)  # Smallest a, and the angle where it is (Brown & Duda).
 
 
 def head_radius_m(circumference_m: float) -> float:
@@ -61,7 +60,7 @@ def ear_delays_s(angles: FloatArray, radius_m: float) -> FloatArray:
 
 def high_share(angles: FloatArray) -> FloatArray:
     """Return a(β): the amplitude of high frequencies at an ear, relative to the sound without a head."""
-    return (1 + LEAST / 2) + (1 - LEAST / 2) * np.cos(angles * (np.pi / AT))
+    return (1 + MIN_SHARE / 2) + (1 - MIN_SHARE / 2) * np.cos(angles * (np.pi / MIN_AT_RAD))
 
 
 def low_part(frequency_hz: Any, radius_m: float) -> Any:

@@ -14,8 +14,7 @@ import mujoco
 from mimoc.base.errors import MimocError, Problem, SpecError
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import mjcf_of
-from mimoc.compat.import_mimo.assets import AssetFiles, names_in_model, without_pictures
-from mimoc.compat.import_mimo.comparison import notes_on_infant, recognise_age
+from mimoc.compat.import_mimo.comparison import names_in_model, notes_on_infant, recognise_age
 from mimoc.compat.import_mimo.infant import (
     Infant,
     find_infant,
@@ -26,10 +25,10 @@ from mimoc.compat.import_mimo.infant import (
     read_senses,
     read_surroundings,
 )
-from mimoc.compat.import_mimo.reading import Element, check_limits, read_scene
+from mimoc.compat.import_mimo.reading import AssetFiles, Element, check_limits, read_scene, without_pictures
 from mimoc.compat.import_mimo.rest import MODEL, Rest, moved_keyframes, rest_of
 from mimoc.compat.settings import Imported, infant_name
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build
 from mimoc.schema.infant import InfantSpec
 
 INFANT = "infant.xml"

@@ -15,14 +15,14 @@ from mimoc.base.errors import Problem
 from mimoc.base.geometry.solvers import narrowed
 from mimoc.body.grow import grow_average
 from mimoc.body.tree import BodyTree, Geom
-from mimoc.compat.import_mimo.assets import Names, names_in_model
 from mimoc.compat.import_mimo.infant import CHEST, HIP, UPPER_BODY, Infant
 from mimoc.compat.settings import MIMO_AGE_MONTHS
 from mimoc.fits.curves import LAST_MONTH
 
 Array = npt.NDArray[np.float64]
+Names = dict[str, set[str]]
 Values = Mapping[str, Array]
-SHOWN = 4
+MAX_LISTED = 4
 EYES = ("eye_left", "eye_right")
 MM_PER_M = 1000.0
 PERCENT = 100.0
@@ -65,6 +65,23 @@ def notes_on_infant(
     if more := [name for name in infant.motors if name not in mimos["actuator"]]:
         yield infant.hip.problem(f"the scene has no actuator {_listed(more)}; mimoc's infant has all of MIMo's")
     yield from (infant.hip.problem(text) for text in _differences(infant, model, mimocs) if text)
+
+
+def names_in_model(model: mujoco.MjModel) -> Names:
+    """Return the names in a compiled model, by kind."""
+    counts = {
+        "body": model.nbody,
+        "joint": model.njnt,
+        "geom": model.ngeom,
+        "site": model.nsite,
+        "camera": model.ncam,
+        "tendon": model.ntendon,
+        "actuator": model.nu,
+        "sensor": model.nsensor,
+        "material": model.nmat,
+        "texture": model.ntex,
+    }
+    return {kind: {getattr(model, kind)(index).name for index in range(count)} for kind, count in counts.items()}
 
 
 def _age_text(age: Age) -> str:
@@ -154,8 +171,8 @@ def _compared(
 
 
 def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return ", ".join(names[:SHOWN]) + more
+    more = f" and {len(names) - MAX_LISTED} more" if len(names) > MAX_LISTED else ""
+    return ", ".join(names[:MAX_LISTED]) + more
 
 
 PREFIX = "geom:"  # Of the names of geoms in MIMo's later scenes.

@@ -1,21 +1,22 @@
-"""Reading of a scene in MJCF: its elements with the files that it includes, and the files that it refers to."""
+"""Reading of a scene in MJCF: its elements, with those of the files that it includes, and the files of its assets."""
 
 import math
 import os
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from mimoc.base.errors import Problem, SpecError
-from mimoc.bundle.mjcf_check import MOST, MOST_BYTES, MOST_DEPTH, MOST_ELEMENTS
-from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+from mimoc.bundle import mjcf_check, regular_files
+from mimoc.bundle.mjcf_check import MOST, MOST_DEPTH, MOST_ELEMENTS, MOST_PIXELS, pixels_of
+from mimoc.bundle.regular_files import MOST_BYTES_IN_ALL, UnusableFileError, read_regular_file
 
-MOST_INCLUDES = 64
+MAX_INCLUDES = 64
 COMMENT = re.compile(rb"<!--.*?(?:-->|\Z)", re.DOTALL)
 """Removed before parsing: MuJoCo reads comments with two hyphens in them, which are not XML."""
 INDENT = "  "
@@ -109,7 +110,7 @@ class _Reader:
         """Return the root element of a file; None if there is a problem with it."""
         self._included.add(path.resolve())
         try:
-            content = read_file(path, MOST_BYTES)
+            content = read_file(path, mjcf_check.MOST_BYTES)
         except UnusableFileError as error:
             what = f"'{shown}' {error}" if place.key else f"this {error}"
             self.problems.append(Problem(place.file, place.line, place.column, place.key, what))
@@ -167,8 +168,8 @@ class _Reader:
             what = "is included a second time, which MuJoCo does not allow; remove this" if name else "names no file"
             self.problems.append(element.problem(f"'{name}' {what}"))
             return None
-        if len(self._included) > MOST_INCLUDES:
-            self.problems.append(element.problem(f"more than {MOST_INCLUDES} files are included"))
+        if len(self._included) > MAX_INCLUDES:
+            self.problems.append(element.problem(f"more than {MAX_INCLUDES} files are included"))
             return None
         return self.read(path, str(path), element.problem(""))
 
@@ -176,10 +177,10 @@ class _Reader:
         self.problems.append(Problem(shown, line, 1, "", message))
 
 
-MOST_MAGNITUDE = 1e10  # Of any number, as in the MJCF of bundles.
+MAX_MAGNITUDE = 1e10  # Of any number, as in the MJCF of bundles.
 TIMESTEP_S = 1e-4, 1.0  # Physics steps that a spec can have (`control.timestep_ms`).
-MOST_SAMPLES = 2**20  # Of a height field; a terrain of 10 m at every centimetre.
-MOST_LENGTH_RANGE_STEPS = 1e5
+MAX_SAMPLES = 2**20  # Of a height field; a terrain of 10 m at every centimetre.
+MAX_LENGTH_RANGE_STEPS = 1e5
 """Steps by which MuJoCo's compiler may look for the length range of a muscle; by default 1,000."""
 BOUNDS: Mapping[str, float] = {
     **dict.fromkeys(("width", "height", "offwidth", "offheight", "resolution"), 4096),
@@ -226,19 +227,19 @@ def _problems_of(element: Element) -> Iterator[Problem]:
         yield element.problem("makes a flexible body of a file, of which bundles have none; remove it")
     numbers = {name: found for name, value in element.attributes.items() if (found := _numbers(name, value))}
     for name, values in numbers.items():
-        if not all(abs(value) <= MOST_MAGNITUDE for value in values):
-            yield element.problem(f"{name} is no number, or above {MOST_MAGNITUDE:g}; correct it")
+        if not all(abs(value) <= MAX_MAGNITUDE for value in values):
+            yield element.problem(f"{name} is no number, or above {MAX_MAGNITUDE:g}; correct it")
         elif max(values) > (most := _bound(element, name)):
             yield element.problem(f"{name} is {max(values):,.12g}; give {most:,.12g} at most")
     if element.tag == "option" and "timestep" in numbers:
         least, most = TIMESTEP_S
         if not least <= numbers["timestep"][0] <= most:
             yield element.problem(f"timestep is {numbers['timestep'][0]:g}; give {least:g} to {most:g} s")
-    if element.tag == "hfield" and math.prod(numbers.get(name, [1])[0] for name in ("nrow", "ncol")) > MOST_SAMPLES:
-        yield element.problem(f"has more than {MOST_SAMPLES:,} samples; make nrow and ncol smaller")
+    if element.tag == "hfield" and math.prod(numbers.get(name, [1])[0] for name in ("nrow", "ncol")) > MAX_SAMPLES:
+        yield element.problem(f"has more than {MAX_SAMPLES:,} samples; make nrow and ncol smaller")
     if element.tag == "lengthrange":
         total_s, step_s = numbers.get("inttotal", [10.0])[0], numbers.get("timestep", [0.01])[0]
-        if not 0 < total_s <= MOST_LENGTH_RANGE_STEPS * step_s:
+        if not 0 < total_s <= MAX_LENGTH_RANGE_STEPS * step_s:
             yield element.problem("simulates too many steps, or none; leave inttotal and timestep out")
     if element.tag == "size" and _bytes(element.get("memory")) > BYTES["g"]:
         yield element.problem("memory is above 1 GB; leave it out")
@@ -281,3 +282,90 @@ def _count(element: Element, copies: float, counts: Counter[str]) -> None:
         counts["body"] += math.ceil(copies)
     for child in element.children:
         _count(child, copies, counts)
+
+
+FOLDERS = ("assetdir", "meshdir", "texturedir", "strippath")
+"""Attributes of `compiler` that say where files are; those of the new scene are all in one folder."""
+COLOUR = {"builtin": "flat", "width": "1", "height": "1"}
+
+
+def file_attributes(element: Element) -> list[str]:
+    """Return the attributes of an element that name files; a cube's texture has up to six of them."""
+    return [name for name in element.attributes if name.startswith("file")]
+
+
+def without_pictures(tree: Element) -> Element:
+    """Return a scene whose textures are plain colours: its physics, which needs none of their files."""
+    attributes, children = tree.attributes, [without_pictures(child) for child in tree.children]
+    if tree.tag == "texture" and (names := file_attributes(tree)):
+        attributes = {name: value for name, value in attributes.items() if name not in names} | COLOUR
+    return replace(tree, attributes=attributes, children=children)
+
+
+class AssetFiles:
+    """Reads the files of assets, and gives each a name of its own in one folder."""
+
+    def __init__(self, tree: Element, folder: Path):
+        self._folder = folder
+        self._settings = {
+            name: value
+            for compiler in tree.children
+            if compiler.tag == "compiler"
+            for name, value in compiler.attributes.items()
+        }
+        self._names = dict[Path, str]()
+        self._left, self._pixels_left = MOST_BYTES_IN_ALL, MOST_PIXELS
+        self.files: dict[str, bytes] = {}
+        """Content by name."""
+        self.sources: set[Path] = set()
+
+    def moved(self, tree: Element, place: str = "") -> Element:
+        """Return elements whose files are in the folder *place*, and read these; a SpecError lists all missing ones."""
+        problems: list[Problem] = []
+        result = self._moved(tree, place, problems)
+        if problems:
+            raise SpecError(problems)
+        return result
+
+    def _moved(self, element: Element, place: str, problems: list[Problem]) -> Element:
+        attributes = dict(element.attributes)
+        if element.tag == "compiler":
+            attributes = {name: value for name, value in attributes.items() if name not in FOLDERS}
+        if element.tag == "model" and element.get("file"):
+            problems.append(element.problem(ATTACHES))
+            return element
+        for name in file_attributes(element):
+            path = self._path(element, attributes[name])
+            try:
+                attributes[name] = place + self._name(path, element.tag in ("texture", "hfield"))
+            except UnusableFileError as error:
+                problems.append(element.problem(f"the file '{path}' {error}"))
+        children = [self._moved(child, place, problems) for child in element.children]
+        return replace(element, attributes=attributes, children=children)
+
+    def _path(self, element: Element, name: str) -> Path:
+        """Return where MuJoCo finds a file of a kind of asset: as seen from the scene, or else from what names it."""
+        kind = "texturedir" if element.tag == "texture" else "meshdir"
+        place = self._settings.get(kind) or self._settings.get("assetdir", "")
+        strips = self._settings.get("strippath") in ("true", "1")
+        name = PurePosixPath(name).name if strips else name
+        beside = os.path.relpath(Path(element.file).parent, self._folder)
+        return first_existing(self._folder / place / name, self._folder / place / beside / name)
+
+    def _name(self, path: Path, is_picture: bool) -> str:
+        if path not in self._names:
+            content = read_file(path, min(regular_files.MOST_BYTES, self._left))
+            self._left -= len(content)
+            if is_picture and path.suffix.lower() == ".png":
+                self._pixels_left -= pixels_of(content, is_ours=False)
+                if self._pixels_left < 0:
+                    raise UnusableFileError(f"and others have more than {MOST_PIXELS:,} pixels together")
+            taken, number = set(self._names.values()), 1
+            name = path.name
+            while name in taken:
+                number += 1
+                name = f"{path.stem}_{number}{path.suffix}"
+            self._names[path] = name
+            self.files[name] = content
+            self.sources.add(path.resolve())
+        return self._names[path]

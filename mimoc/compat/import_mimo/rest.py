@@ -1,7 +1,8 @@
 """The rest of a MIMo scene: what is left without the infant, which is attached from the bundle of its spec instead."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
 from xml.etree import ElementTree
 
 import mujoco
@@ -11,8 +12,7 @@ import numpy.typing as npt
 from mimoc.base.errors import Problem
 from mimoc.base.geometry.rotations import matrix_from_quaternion
 from mimoc.body.tree import FREE_JOINT
-from mimoc.compat.import_mimo.assets import Names, names_in, references, resolved, split_assets, used_assets
-from mimoc.compat.import_mimo.comparison import PREFIX
+from mimoc.compat.import_mimo.comparison import PREFIX, Names
 from mimoc.compat.import_mimo.infant import HIP, Infant, held_parts
 from mimoc.compat.import_mimo.reading import Element
 
@@ -75,7 +75,7 @@ def _without(
         children, attributes = [], {}
     elif section.tag == "worldbody":
         children = [part for child in children for part in _placed(child, infant, frame, notes)]
-    return Element(section.tag, attributes, section.file, section.line, children)
+    return replace(section, attributes=attributes, children=children)
 
 
 def _placed(element: Element, infant: Infant, frame: Element, notes: list[Problem]) -> Iterator[Element]:
@@ -105,7 +105,7 @@ def _pruned(element: Element, gone: Element) -> Element | None:
     if element is gone:
         return None
     children = [part for child in element.children if (part := _pruned(child, gone))]
-    return Element(element.tag, element.attributes, element.file, element.line, children)
+    return replace(element, children=children)
 
 
 def _strangers(infant: Infant, names: Names) -> Iterator[Problem]:
@@ -148,7 +148,7 @@ def _referring(sections: list[Element], infant: Infant, names: Names, notes: lis
                 notes.append(child.problem(f"not taken over: mimoc's infant has no {' and no '.join(missing)}"))
             else:
                 children.append(changed)
-        result.append(Element(section.tag, section.attributes, section.file, section.line, children))
+        result.append(replace(section, children=children))
     if infant.free_joint is None and held_parts(infant):
         home = {"body2": infant.home.get("name")} if infant.home and infant.home.get("name") else {}
         result.append(Element("equality", {}, children=[Element("weld", {"body1": HIP, **home})]))
@@ -176,7 +176,7 @@ def _with_defaults(sections: list[Element], infant: Infant) -> list[Element]:
         children = [part for child in default.children if (part := kept(child) if child.tag == "default" else child)]
         if default.get("class") in only and not any(child.tag == "default" for child in children):
             return None
-        return Element(default.tag, default.attributes, default.file, default.line, children)
+        return replace(default, children=children)
 
     return [part for section in sections if (part := kept(section) if section.tag == "default" else section)]
 
@@ -194,13 +194,13 @@ def _with_assets(sections: list[Element], infant: Infant, names: Names) -> list[
     of_infant = [infant.hip, *(defaults[name] for name in set(_classes(infant.hip)) if name in defaults)]
     mimocs = {(kind, name) for kind in ("material", "texture") for name in names[kind]}
     used = used_assets(section for section in sections if section.tag != "asset")
-    kept, _ = split_assets(assets, used, used_assets(of_infant) | mimocs)
+    kept = kept_assets(assets, used, used_assets(of_infant) | mimocs)
     clashing = {(asset.tag, asset.get("name")) for asset in kept} & mimocs
     renamed = {key: RENAMED + key[1] for key in clashing}
     result = []
     for section in sections:
         children = [child for child in section.children if section.tag != "asset" or child in kept]
-        changed = Element(section.tag, section.attributes, section.file, section.line, children)
+        changed = replace(section, children=children)
         result.append(_renamed(changed, renamed))
     return result
 
@@ -212,7 +212,91 @@ def _renamed(element: Element, names: Mapping[tuple[str, str], str]) -> Element:
     if (element.tag, element.get("name")) in names:
         new["name"] = names[element.tag, element.get("name")]
     children = [_renamed(child, names) for child in element.children]
-    return Element(element.tag, new, element.file, element.line, children)
+    return replace(element, attributes=new, children=children)
+
+
+USES = ("material", "texture", "mesh", "hfield")  # Attributes that name an asset.
+
+
+def used_assets(elements: Iterable[Element]) -> set[tuple[str, str]]:
+    """Return kind and name of the assets that elements use, such as the texture of a material."""
+    return {use for element in elements for part in element.walk() for use in _uses(part)}
+
+
+def _uses(element: Element) -> Iterator[tuple[str, str]]:
+    for name in USES:
+        if value := element.get(name):
+            yield name, value
+    if element.tag == "layer":
+        yield "texture", element.get("texture")
+
+
+def kept_assets(assets: list[Element], used: set[tuple[str, str]], infants: set[tuple[str, str]]) -> list[Element]:
+    """Return the assets, given by kind and name, but for those that only the infant and not the rest *used*."""
+    by_name = {_asset_name(asset): asset for asset in assets}
+    only = _with_textures(infants, by_name) - _with_textures(used, by_name)
+    of_others = _with_textures({name for name in by_name if name not in only}, by_name)
+    return [asset for asset in assets if _asset_name(asset) not in only - of_others]
+
+
+def _asset_name(element: Element) -> tuple[str, str]:
+    """Return kind and name of an asset, which MuJoCo names after its file if it has no name."""
+    return element.tag, element.get("name") or PurePosixPath(element.get("file")).stem
+
+
+def _with_textures(names: set[tuple[str, str]], by_name: Mapping[tuple[str, str], Element]) -> set[tuple[str, str]]:
+    return names | used_assets(by_name[name] for name in names if name in by_name)
+
+
+KINDS: Mapping[str, str] = {
+    **dict.fromkeys(("body", "body1", "body2"), "body"),
+    **dict.fromkeys(("joint", "joint1", "joint2", "jointinparent"), "joint"),
+    **dict.fromkeys(("geom", "geom1", "geom2"), "geom"),
+    **dict.fromkeys(("site", "site1", "site2", "refsite", "slidersite", "cranksite", "sidesite"), "site"),
+    **dict.fromkeys(("tendon", "tendon1", "tendon2"), "tendon"),
+    "target": "body",
+    "actuator": "actuator",
+    "camera": "camera",
+}
+"""Kind of what an attribute names."""
+TYPED = {"objname": "objtype", "refname": "reftype"}  # Attributes that name something, and those with its kind.
+SAME = {"xbody": "body", "freejoint": "joint"}  # Kind of what has another word.
+LISTS = ("flex", "skin")  # Elements whose attributes of these names are lists.
+
+
+def names_in(sections: list[Element], names: Names) -> Names:
+    """Return *names* and those of what is in the sections of a scene, by kind."""
+    result = {kind: set(of_kind) for kind, of_kind in names.items()}
+    for section in sections:
+        for element in section.walk() if section.tag in ("worldbody", "tendon", "actuator") else ():
+            kind = SAME.get(element.tag, element.tag) if section.tag == "worldbody" else section.tag
+            if element.get("name") and kind in result:
+                result[kind].add(element.get("name"))
+    return result
+
+
+def references(element: Element) -> Iterator[tuple[str, str]]:
+    """Yield the attributes of an element, but not of those below it, that name something, and of which kind."""
+    for name in element.attributes:
+        if name in TYPED:
+            kind = element.get(TYPED[name])
+            yield name, SAME.get(kind, kind)
+        elif name in KINDS and element.tag not in LISTS:
+            yield name, KINDS[name]
+
+
+def resolved(element: Element, names: Names, others: Mapping[tuple[str, str], str]) -> tuple[Element, list[str]]:
+    """Return an element, with those below it, whose references lead to what has the name now, and what is gone."""
+    attributes, missing = dict(element.attributes), list[str]()
+    for attribute, kind in references(element):
+        name = attributes[attribute]
+        new = name if name in names.get(kind, ()) else others.get((kind, name), name)
+        attributes[attribute] = new
+        if kind in names and new not in names[kind] and new != "world":
+            missing.append(f"{kind} '{name}'")
+    pairs = [resolved(child, names, others) for child in element.children]
+    children, below = [child for child, _ in pairs], [name for _, lost in pairs for name in lost]
+    return replace(element, attributes=attributes, children=children), missing + below
 
 
 POSITIONS, VELOCITIES = (7, 4, 1, 1), (6, 3, 1, 1)  # Numbers of a free joint, a ball joint, a slide and a hinge.

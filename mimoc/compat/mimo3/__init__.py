@@ -13,12 +13,6 @@ What a program imports from anywhere in `mimo_infant` is here, by the same name.
 """
 
 from mimoc.compat.mimo3 import mimo_utils as mimo_utils
-from mimoc.compat.mimo3.actuation import (
-    ActuationModel as ActuationModel,
-    MuscleModel as MuscleModel,
-    PositionalModel as PositionalModel,
-    SpringDamperModel as SpringDamperModel,
-)
 from mimoc.compat.mimo3.environment import MIMoEnv as MIMoEnv
 from mimoc.compat.mimo3.keywords import (
     BENCHMARK_XML as BENCHMARK_XML,
@@ -35,10 +29,14 @@ from mimoc.compat.mimo3.keywords import (
     SELFBODY_XML as SELFBODY_XML,
     STANDUP_XML as STANDUP_XML,
 )
-from mimoc.compat.mimo3.sensory import (
+from mimoc.compat.mimo3.modules import (
+    ActuationModel as ActuationModel,
+    MuscleModel as MuscleModel,
+    PositionalModel as PositionalModel,
     SimpleProprioception as SimpleProprioception,
     SimpleVestibular as SimpleVestibular,
     SimpleVision as SimpleVision,
+    SpringDamperModel as SpringDamperModel,
     TrimeshTouch as TrimeshTouch,
 )
 from mimoc.compat.mimo3.tasks import (

@@ -10,12 +10,19 @@ import numpy.typing as npt
 from gymnasium.spaces import Box, Dict, Space
 
 from mimoc.base.errors import MimocError, check_name
-from mimoc.compat.mimo3.actuation import ActuationModel, model_named, model_of
 from mimoc.compat.mimo3.keywords import BENCHMARK_XML, Keywords, spec_of
-from mimoc.compat.mimo3.sensory import SimpleProprioception, SimpleVestibular, SimpleVision, TrimeshTouch
+from mimoc.compat.mimo3.modules import (
+    ActuationModel,
+    SimpleProprioception,
+    SimpleVestibular,
+    SimpleVision,
+    TrimeshTouch,
+    model_named,
+    model_of,
+)
 from mimoc.render.renderer import Renderer
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.opening.environments import open_infant
+from mimoc.runtime.opening import open_infant
 
 NEVER_CALLED = {
     "_substep_callback": "set frame_skip=1 and use _step_callback",

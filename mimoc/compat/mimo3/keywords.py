@@ -11,8 +11,7 @@ from mimoc.anatomy.anatomy import assemble
 from mimoc.base.errors import MimocError, check_name
 from mimoc.base.units import m_to_cm
 from mimoc.compiler.child import child_of
-from mimoc.compiler.loading import load_spec
-from mimoc.schema.infant import InfantSpec
+from mimoc.schema.infant import InfantSpec, load_spec
 
 SCENE_DIRECTORY = "mimo3"  # Folder that MIMo3's scenes are in; here, scenes are known by the names of their files.
 REACH_XML = f"{SCENE_DIRECTORY}/reach_scene.xml"

@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from mimoc.anatomy.part import GeomType
 from mimoc.compiler.looks.pictures import Colour, coloured_picture, inks_of
-from mimoc.compiler.mjcf.furniture import UNTINTED, Appearance, Material, PrintedSkin, Rgba, Texture
+from mimoc.compiler.mjcf.elements import UNTINTED, Appearance, PrintedSkin, Rgba, WorldMaterial, WorldTexture
 from mimoc.schema.body import EXPRESSIONS, Clothes, LooksSpec
 
 AVERAGE = LooksSpec()  # What an infant looks like of which nothing is said.
@@ -49,15 +48,15 @@ def add_materials(
     """
     inks = inks_of(looks, clothes)
     face_shape = "face_round" if round_head else "face"
-    faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
-    names = ("eye", "ear", "stripes") if clothes in WITH_SHIRT else ("eye", "ear")
-    others = [Texture(name, f"assets/{name}.png") for name in names]
-    assets = {
-        **{texture.file: coloured_picture(f"{face_shape}_{name}", inks) for name, texture in faces.items()},
-        **{texture.file: coloured_picture(texture.name, inks) for texture in others},
-    }
-    materials = (*_body_materials(expression, inks), *_cloth_materials(clothes, inks))
-    return Appearance((*faces.values(), *others), materials, MappingProxyType(assets))
+    pictures = {face_texture(name): (f"face_{name}", f"{face_shape}_{name}") for name in EXPRESSIONS}
+    pictures |= {name: (name, name) for name in ("eye", "ear", *(["stripes"] if clothes in WITH_SHIRT else []))}
+    return Appearance(
+        textures=tuple(
+            WorldTexture(name, f"assets/{file}.png", coloured_picture(painted, inks))
+            for name, (file, painted) in pictures.items()
+        ),
+        materials=(*_body_materials(expression, inks), *_cloth_materials(clothes, inks)),
+    )
 
 
 SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers", "hair": "skin_hair"}
@@ -76,28 +75,23 @@ def dress_skin(
     inks = inks_of(looks, clothes)
     solid = add_materials(expression, looks, clothes, round_head=round_head)
     shown = face_texture(expression)
-    faces = {name: Texture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
+    faces = {face_texture(name): f"skin_face_{name}" for name in EXPRESSIONS}
     # Those of clothes that it does not wear are there, too: many infants in one model have the same materials.
-    shades = {name: Texture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
-    cubes = tuple(
-        replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
-        for cube in solid.textures
-        if cube.name == shown or cube.name not in {face.name for face in faces.values()}
-    )
+    shades = {material: material for material in SKIN_MATERIALS.values()}
     return Appearance(
-        textures=cubes,
+        textures=tuple(
+            replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
+            for cube in solid.textures
+            if cube.name == shown or cube.name not in faces
+        ),
         materials=(
             *(replace(item, texture=HEAD_CUBE) if item.name == "head" else item for item in solid.materials),
-            *(Material(shade.name, UNTINTED, shade.name) for shade in shades.values()),
+            *(_material(shade, UNTINTED, shade) for shade in shades),
         ),
-        assets=MappingProxyType(
-            {
-                **{cube.file: solid.assets[cube.file] for cube in cubes},
-                **{texture.file: coloured_picture(f"skin_face_{name}", inks) for name, texture in faces.items()},
-                **{shade.file: coloured_picture(shade.name, inks) for shade in shades.values()},
-            }
+        flat_textures=tuple(
+            WorldTexture(name, f"assets/{picture}.png", coloured_picture(picture, inks))
+            for name, picture in {**faces, **shades}.items()
         ),
-        flat_textures=(*faces.values(), *shades.values()),
         skins=tuple(
             PrintedSkin(name, f"assets/{name}.skn", SKIN_MATERIALS.get(name, face_material(expression)))
             for name in layers
@@ -115,13 +109,20 @@ def face_material(expression: str) -> str:
     return f"head_{expression}"
 
 
-def _body_materials(expression: str, inks: Mapping[str, Colour]) -> tuple[Material, ...]:
+def _material(
+    name: str, rgba: Rgba, texture: str | None = None, specular: float = 0.1, shininess: float = 0.2
+) -> WorldMaterial:
+    """Return a material of skin or cloth, which are dull."""
+    return WorldMaterial(name, rgba, texture, specular=specular, shininess=shininess)
+
+
+def _body_materials(expression: str, inks: Mapping[str, Colour]) -> tuple[WorldMaterial, ...]:
     return (
-        Material("skin", _rgba(inks["skin"])),
-        Material("head", UNTINTED, face_texture(expression)),
-        *(Material(face_material(name), UNTINTED, face_texture(name)) for name in EXPRESSIONS),
-        Material("ear", UNTINTED, "ear"),
-        *(Material(f"eye_{side}", UNTINTED, "eye", specular=0.5, shininess=0.8) for side in ("left", "right")),
+        _material("skin", _rgba(inks["skin"])),
+        _material("head", UNTINTED, face_texture(expression)),
+        *(_material(face_material(name), UNTINTED, face_texture(name)) for name in EXPRESSIONS),
+        _material("ear", UNTINTED, "ear"),
+        *(_material(f"eye_{side}", UNTINTED, "eye", specular=0.5, shininess=0.8) for side in ("left", "right")),
     )
 
 
@@ -130,15 +131,15 @@ WITH_LEGS: tuple[Clothes, ...] = ("trousers", "shirt_and_trousers")
 """Clothes that cover the trunk and the arms, and those that cover the legs."""
 
 
-def _cloth_materials(clothes: Clothes, inks: Mapping[str, Colour]) -> tuple[Material, ...]:
+def _cloth_materials(clothes: Clothes, inks: Mapping[str, Colour]) -> tuple[WorldMaterial, ...]:
     has_shirt, skin = clothes in WITH_SHIRT, _rgba(inks["skin"])
     seat = _rgba(inks["shirt" if clothes == "bodysuit" else "trousers"])
     trunk = (UNTINTED, "stripes") if has_shirt else (skin, None)
     return (
-        *(Material(f"top_{part}", *trunk) for part in ("down", "middle", "up")),
-        Material("top_sleeve", _rgba(inks["shirt"]) if has_shirt else skin),
-        *(Material(f"pants_{part}", seat) for part in ("down", "up")),
-        Material("pants_leg", seat if clothes in WITH_LEGS else skin),
+        *(_material(f"top_{part}", *trunk) for part in ("down", "middle", "up")),
+        _material("top_sleeve", _rgba(inks["shirt"]) if has_shirt else skin),
+        *(_material(f"pants_{part}", seat) for part in ("down", "up")),
+        _material("pants_leg", seat if clothes in WITH_LEGS else skin),
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from mimoc.base.geometry.arrays import read_arrays
+from mimoc.base.arrays import read_arrays
 from mimoc.schema.body import Clothes, LooksSpec
 
 FOLDER = Path(__file__).parent / "painted"
@@ -114,15 +114,12 @@ DARKEST: Colour = (46, 30, 27)  # What lashes and the edges of irises are darken
 def inks_of(looks: LooksSpec, clothes: Clothes) -> dict[str, Colour]:
     """Return the colours that the pictures of an infant are mixed of, by name, in whole numbers.
 
-    Args:
-        looks: Its skin, hair and eyes.
-        clothes: What it wears.
-
     Example:
         >>> from mimoc.compiler.looks.pictures import inks_of
         >>> from mimoc.schema.body import LooksSpec
         >>> inks_of(LooksSpec(hair="black"), "nappy")["hair"]
         (33, 28, 28)
+
     """
     hair, iris, cloth = HAIR[looks.hair], EYES[looks.eyes], CLOTHES[clothes]
     return {
@@ -178,17 +175,11 @@ def coloured_picture(name: str, inks: Mapping[str, Colour]) -> bytes:
 
 
 def mixed(amounts: npt.NDArray[Any], inks: Mapping[str, Colour]) -> npt.NDArray[np.uint8]:
-    """Return the colours of some mixtures.
+    """Return the colours of some mixtures of inks, red, green and blue, shape (n, 3).
 
-    The colour of a mixture is the mean of its inks, weighted by their amounts m: c = sum(m_i c_i) / sum(m_i). It is
-    computed in whole numbers, and rounded half up.
+    The colour of a mixture is the mean of its inks, weighted by their amounts m, in the order of `INKS`, shape
+    (n, inks): c = sum(m_i c_i) / sum(m_i). It is computed in whole numbers, and rounded half up.
 
-    Args:
-        amounts: Of inks in the order of `INKS`, whole numbers, shape (n, inks).
-        inks: Their colours.
-
-    Returns:
-        Red, green and blue, shape (n, 3).
     """
     colours = np.array([inks[name] for name in INKS]).astype(np.int64)
     amounts = np.asarray(amounts, np.int64)

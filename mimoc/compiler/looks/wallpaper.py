@@ -14,7 +14,6 @@ import numpy as np
 from PIL import Image
 
 from mimoc.base.errors import TextureError
-from mimoc.base.geometry.rotations import FloatArray
 from mimoc.compiler.looks.pictures import encode_png, read_picture
 
 WHOLE = math.inf  # Width or height of a tile that spans the whole surface.
@@ -100,12 +99,10 @@ LONGER_SIDE_M = 1.0  # Width and height of one repeat.
 
 
 def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
-    """Return the textures in one PNG, or in every `*.png` of a folder, by name.
+    """Return the textures in one PNG, or in every `*.png` of a folder, by name, in a bundle's resolution.
 
-    They are scaled down to a bundle's resolution, and metadata is dropped.
+    A TextureError has a line for each image that cannot be read.
 
-    Raises:
-        TextureError: If there is no image, or if some cannot be read; the message has a line for each of them.
     """
     textures, problems = [], []
     for file in _files(Path(path)):
@@ -119,11 +116,7 @@ def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
 
 
 def read_picture_file(path: Path) -> bytes:
-    """Return the PNG of one picture, scaled down as textures are.
-
-    Raises:
-        TextureError: If it is no picture, or cannot be read.
-    """
+    """Return the PNG of one picture, scaled down as textures are; a TextureError says why it cannot be read."""
     return _texture(path, set()).png
 
 
@@ -143,7 +136,13 @@ def _files(path: Path) -> list[Path]:
 
 
 def _texture(file: Path, taken: set[str]) -> Wallpaper:
-    image = _small(_decode(file))
+    # Each texel is the mean of what it covers and of nothing beyond, so that what was seamless stays so.
+    image = _decode(file)
+    longer = max(image.size)
+    if longer > TILE_PX:
+        width, height = (max(1, round(side * TILE_PX / longer)) for side in image.size)
+        image = image.resize((width, height), Image.Resampling.BOX)
+    image = np.asarray(image, np.float64)
     rows, columns, _ = image.shape
     tile_m = (LONGER_SIDE_M * columns / max(rows, columns), LONGER_SIDE_M * rows / max(rows, columns))
     # A name that is valid in MJCF and in every file system, and not taken.
@@ -181,15 +180,3 @@ def _decode(file: Path) -> Image.Image:
 
 _ADVICE = "give a PNG file or a folder of PNG files"
 _TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; reduce it: {TILE_PX} px per side are enough"
-
-
-def _small(image: Image.Image) -> FloatArray:
-    """Return an image of at most `TILE_PX` per side.
-
-    Each texel is the mean of what it covers and of nothing beyond, so that what was seamless stays so.
-    """
-    longer = max(image.size)
-    if longer > TILE_PX:
-        width, height = (max(1, round(side * TILE_PX / longer)) for side in image.size)
-        image = image.resize((width, height), Image.Resampling.BOX)
-    return np.asarray(image, np.float64)

@@ -7,10 +7,9 @@ what every bundle has, and in a model of its own what MIMo 3 does. `docs/compati
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
-from mimoc.base.errors import check_name
+from mimoc.base.kinds import Component, Registry
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.tree import Body, BodyTree
 from mimoc.compiler.mjcf.elements import Actuator, Camera, Node, Sensor, Site
@@ -261,9 +260,11 @@ def _located(root: Node) -> Node:
 
 
 @dataclass(frozen=True, slots=True)
-class CompatibilityTarget:
+class CompatibilityTarget(Component):
     """What has to be different in a model that some other software is to read."""
 
+    name: str
+    """Name that users know."""
     body: Callable[[BodyTree], BodyTree] = lambda tree: tree  # Changes the body: its parts and their order.
     infant: Callable[[SceneTree, str], SceneTree] = lambda infant, model: infant
     """Changes the infant, before it is placed in a world; the other argument is its actuation model."""
@@ -273,23 +274,17 @@ class CompatibilityTarget:
     chest_joint: bool = False  # Whether infants have the joints of the chest, if their spec does not say.
 
 
-UNCHANGED = CompatibilityTarget()  # For mimoc alone.
-TARGETS: Mapping[str, CompatibilityTarget] = MappingProxyType(
-    {
-        "mimo": CompatibilityTarget(as_mimos, fit_infant, fit_world),
-        "mimo3": CompatibilityTarget(infant=fit_mimo3_infant, origins=trace_named_geoms, chest_joint=True),
-    }
+UNCHANGED = CompatibilityTarget("mimoc")  # For mimoc alone.
+TARGETS = Registry(
+    CompatibilityTarget,
+    "system to build for",
+    (
+        CompatibilityTarget("mimo", as_mimos, fit_infant, fit_world),
+        CompatibilityTarget("mimo3", infant=fit_mimo3_infant, origins=trace_named_geoms, chest_joint=True),
+    ),
 )
-"""By the name that users know."""
 
 
 def find_target(name: str | None) -> CompatibilityTarget:
-    """Return the target of that name; for None, one that changes nothing.
-
-    Raises:
-        UnknownNameError: If there is none.
-    """
-    if name is None:
-        return UNCHANGED
-    check_name("system to build for", name, TARGETS)
-    return TARGETS[name]
+    """Return the target of a name, or raise an UnknownNameError; for None, one that changes nothing."""
+    return UNCHANGED if name is None else TARGETS.find(name)

@@ -8,7 +8,6 @@ from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 import platformdirs
@@ -16,10 +15,9 @@ from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, Stric
 from jinja2.bccache import Bucket
 from lxml import etree
 
-from mimoc.base.rounding import LEAST_NORMAL, SIGNIFICANT_DIGITS
-from mimoc.compiler.mjcf.furniture import PrintedSkin
-from mimoc.compiler.mjcf.scene import Keyframe, SceneTree
-from mimoc.compiler.mjcf.skin import Skin, SkinLayer
+from mimoc.base.rounding import MIN_NORMAL, SIGNIFICANT_DIGITS
+from mimoc.compiler.mjcf.elements import PrintedSkin
+from mimoc.compiler.mjcf.scene import Keyframe, SceneTree, Skin, SkinLayer
 from mimoc.compiler.mjcf.world import World
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
@@ -79,11 +77,8 @@ def render_infants(
 ) -> dict[str, bytes]:
     """Return the MJCF of several infants in one world, which is complete by itself, and all assets.
 
-    Args:
-        name: Of the model.
-        infants: With names that differ (`mimoc.compiler.mjcf.printing`) and the same options.
-        world: What is around all of them.
-        keyframes: States of all of them.
+    The infants have names that differ (`prefixed_scene`), and the same options; *keyframes* are states of all of them.
+
     """
     infants = with_pictures_apart(infants)
     first, *others = (_parsed(render_inhabitant(infant)) for infant in infants)
@@ -139,7 +134,7 @@ def num(value: float | bool | Iterable[float]) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
-        return f"{0.0 if -LEAST_NORMAL < value < LEAST_NORMAL else value:.{SIGNIFICANT_DIGITS}g}"  # Also of -0.0.
+        return f"{0.0 if -MIN_NORMAL < value < MIN_NORMAL else value:.{SIGNIFICANT_DIGITS}g}"  # Also of -0.0.
     return " ".join(num(item) for item in value)
 
 
@@ -177,9 +172,16 @@ SHARED = frozenset(("world", "solver"))  # Fields of a scene with nothing of an 
 def prefixed_scene(scene: SceneTree, prefix: str) -> SceneTree:
     """Return an infant, its world as it is, whose names all begin with a prefix; equal pictures are shared files."""
     renamed = prefixed(replace(scene, name="", skin=None), prefix)
-    if scene.skin is None:
+    if (own := scene.skin) is None:
         return replace(renamed, name=scene.name, prefix=prefix)
-    skin = _prefixed_skin(scene.skin, prefix)
+
+    def layers() -> tuple[SkinLayer, ...]:
+        return tuple(
+            replace(layer, name=prefix + layer.name, bones=tuple(prefix + bone for bone in layer.bones))
+            for layer in own.layers
+        )
+
+    skin = Skin(tuple(prefix + name for name in own.names), layers, lambda: own.moves)
     return replace(renamed, name=scene.name, prefix=prefix, skin=skin)
 
 
@@ -193,14 +195,17 @@ def with_pictures_apart(scenes: Sequence[SceneTree]) -> list[SceneTree]:
     for scene in scenes:
         looks = scene.appearance
         taken = {file for file, content in looks.assets.items() if files.get(file, content) != content}
-        renamed = {file: file.replace("assets/", f"assets/{scene.prefix}") for file in taken}
         textures, flat_textures = (
-            tuple(replace(texture, file=renamed.get(texture.file, texture.file)) for texture in group)
+            tuple(
+                replace(texture, file=texture.file.replace("assets/", f"assets/{scene.prefix}"))
+                if texture.file in taken
+                else texture
+                for texture in group
+            )
             for group in (looks.textures, looks.flat_textures)
         )
-        assets = MappingProxyType({renamed.get(file, file): content for file, content in looks.assets.items()})
-        files |= assets
-        looks = replace(looks, textures=textures, flat_textures=flat_textures, assets=assets)
+        looks = replace(looks, textures=textures, flat_textures=flat_textures)
+        files |= looks.assets
         apart.append(replace(scene, appearance=looks))
     return apart
 
@@ -237,13 +242,3 @@ def _renamed(field: str, value: Any, prefix: str) -> Any:
     if isinstance(value, tuple):
         return tuple(prefixed(item, prefix) if is_dataclass(item) else item for item in value)
     return prefixed(value, prefix) if is_dataclass(value) else value
-
-
-def _prefixed_skin(skin: Skin, prefix: str) -> Skin:
-    def layers() -> tuple[SkinLayer, ...]:
-        return tuple(
-            replace(layer, name=prefix + layer.name, bones=tuple(prefix + bone for bone in layer.bones))
-            for layer in skin.layers
-        )
-
-    return Skin(tuple(prefix + name for name in skin.names), layers, lambda: skin.moves)

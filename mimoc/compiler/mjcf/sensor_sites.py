@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from mimoc.anatomy.published_figures import SIZES_M
 from mimoc.anatomy.sections import BUTTOCKS, RUMP
 from mimoc.base.geometry.rotations import Vec3
-from mimoc.body.surface import as_on_mimos_head
-from mimoc.body.tree import BodyTree
+from mimoc.body.tree import BodyTree, as_on_mimos_head
 from mimoc.compiler.mjcf.elements import Camera, Sensor, Site
 
 SITE_RADIUS_M = 0.01
@@ -147,26 +147,29 @@ def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
             yield from _foot(tree, side, letter, outward)
 
 
-# A foot's keypoints in the frame of the part that they are on, along it and across it: of MIMo's feet at 18 months.
-HEEL_BEHIND_M = 0.020
-TOES_AHEAD_M, TOES_ASIDE_M = 0.011, 0.012  # Big and small toe of toes in one piece.
-SMALL_TOE_AHEAD_M, SMALL_TOE_ASIDE_M = 0.010, 0.0045  # The big toe, if it is apart, is on its own part's axis.
-SOLE_HALF_LENGTHS_M = {"one_piece": 0.035, "separate_toes": 0.030}  # Of the soles that these were measured on.
+class FootPoint(NamedTuple):
+    """A keypoint of a foot, in the frame of the part that it is on, on MIMo's feet at 18 months."""
+
+    part: str
+    ahead_m: float  # Along the foot.
+    outward_m: float  # Across it, away from the other foot.
+
+
+HEEL = FootPoint("foot", -0.020, 0.0)
+TOES_IN_ONE_PIECE = {"BigToe": FootPoint("toes", 0.011, -0.012), "SmallToe": FootPoint("toes", 0.010, 0.012)}
+SEPARATE_TOES = {"BigToe": FootPoint("big_toe", 0.011, 0.0), "SmallToe": FootPoint("toes", 0.010, 0.0045)}
+# Half lengths and the half width of the soles that these were measured on.
+SOLE_HALF_LENGTHS_M = {"one_piece": 0.035, "separate_toes": 0.030}
 SOLE_HALF_WIDTH_M = 0.025
 
 
 def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tuple[str, str, Vec3]]:
     """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
-    foot, toes = f"{side}_foot", f"{side}_toes"
     separate_toes = tree.hands == "five_finger"
     sole = "separate_toes" if separate_toes and tree.development == "maturing" else "one_piece"
     half_length_m, half_width_m, *_ = tree.geoms[f"{side}_foot2"].size_m
     long, wide = half_length_m / SOLE_HALF_LENGTHS_M[sole], half_width_m / SOLE_HALF_WIDTH_M
-    yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m
-    yield letter + "Heel", foot, (-HEEL_BEHIND_M * long, 0.0, 0.0)
-    if separate_toes:
-        yield letter + "BigToe", f"{side}_big_toe", (TOES_AHEAD_M * long, 0.0, 0.0)
-        yield letter + "SmallToe", toes, (SMALL_TOE_AHEAD_M * long, outward * SMALL_TOE_ASIDE_M * wide, 0.0)
-    else:
-        yield letter + "BigToe", toes, (TOES_AHEAD_M * long, -outward * TOES_ASIDE_M * wide, 0.0)
-        yield letter + "SmallToe", toes, (SMALL_TOE_AHEAD_M * long, outward * TOES_ASIDE_M * wide, 0.0)
+    yield letter + "Ankle", f"{side}_foot", tree.joints[f"robot:{side}_foot3"].anchor_m
+    for name, point in {"Heel": HEEL, **(SEPARATE_TOES if separate_toes else TOES_IN_ONE_PIECE)}.items():
+        pos_m = (point.ahead_m * long, outward * point.outward_m * wide, 0.0)
+        yield letter + name, f"{side}_{point.part}", pos_m

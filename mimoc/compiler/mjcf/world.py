@@ -11,14 +11,17 @@ from typing import Any, Literal
 
 from mimoc.base.geometry.rotations import Quaternion, Vec3
 from mimoc.body.tree import Geom
-from mimoc.compiler.mjcf.elements import Camera, Node, Site
-from mimoc.compiler.mjcf.furniture import (
+from mimoc.compiler.mjcf.elements import (
     BARE,
     OUTDOORS,
     SOLID,
+    Camera,
     DirectionalLight,
     Furniture,
+    HasMaterials,
     Headlight,
+    Node,
+    Site,
     WorldGeom,
     WorldMaterial,
     WorldTexture,
@@ -63,13 +66,11 @@ class ObjectJoint:
 
     name: str
     type: Literal["ball", "hinge", "slide"]
-    damping: float
-    """In N m s/rad, or of a slide in N s/m."""
+    damping: float  # In N m s/rad, or of a slide in N s/m.
     axis: Vec3 = (0.0, 0.0, 1.0)
     pos_m: Vec3 = (0.0, 0.0, 0.0)
     limited: bool = False
-    range: tuple[float, float] = (0.0, 0.0)
-    """In [rad], or of a slide in [m]; of a ball, 0 and the largest angle."""
+    range: tuple[float, float] = (0.0, 0.0)  # In [rad], or of a slide in [m]; of a ball, 0 and the largest angle.
     stiffness: float = 0.0
     frictionloss: float = 0.0
     armature: float = 0.0
@@ -87,8 +88,7 @@ class ObjectBody:
     name: str
     pos_m: Vec3 = (0.0, 0.0, 0.0)
     quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    free_joints: tuple[str, ...] = ()
-    """The name of its free joint, if it is the outermost body and has one."""
+    free_joints: tuple[str, ...] = ()  # The name of its free joint, if it is the outermost body and has one.
     joints: tuple[ObjectJoint, ...] = ()
     geoms: tuple[ObjectGeom, ...] = ()
     sites: tuple[Site, ...] = ()
@@ -214,24 +214,14 @@ class Grip:
     held: str  # The body that is held unless a program names another.
 
 
-@dataclass(frozen=True, slots=True)
-class Persona:
+@dataclass(frozen=True)
+class Persona(HasMaterials):
     """Somebody besides the infant: bodies that programs move (mocap bodies of MuJoCo)."""
 
     bodies: tuple[ObjectBody, ...] = ()
     materials: tuple[WorldMaterial, ...] = ()
     textures: tuple[WorldTexture, ...] = ()  # Cubes of six sides.
     grips: tuple[Grip, ...] = ()
-
-    @property
-    def plain_materials(self) -> tuple[WorldMaterial, ...]:
-        """Materials of one colour."""
-        return tuple(material for material in self.materials if not material.texture)
-
-    @property
-    def textured_materials(self) -> tuple[WorldMaterial, ...]:
-        """Materials with a texture."""
-        return tuple(material for material in self.materials if material.texture)
 
 
 NOBODY = Persona()  # No one but the infant.
@@ -246,17 +236,13 @@ class World:
     lights: tuple[DirectionalLight, ...] = ()
     headlight: Headlight = OUTDOORS
     furniture: Furniture = BARE
-    objects: tuple[FreeObject, ...] = ()
-    """Toys, and what a task adds, each a single body that moves freely."""
-    placed: tuple[PlacedObject, ...] = ()
-    """The objects of the spec."""
+    objects: tuple[FreeObject, ...] = ()  # Toys, and what a task adds, each a single body that moves freely.
+    placed: tuple[PlacedObject, ...] = ()  # The objects of the spec.
     locks: tuple[Lock, ...] = ()
     welds: tuple[Weld, ...] = ()
-    cameras: tuple[Camera, ...] = ()
-    """Cameras that are fixed to the world."""
+    cameras: tuple[Camera, ...] = ()  # Cameras that are fixed to the world.
     marks: tuple[Mark, ...] = ()
-    pairs: tuple[Pair, ...] = ()
-    """Contacts with barriers, such as walls."""
+    pairs: tuple[Pair, ...] = ()  # Contacts with barriers, such as walls.
     persona: Persona = NOBODY
 
     @property

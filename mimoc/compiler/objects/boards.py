@@ -24,7 +24,7 @@ from mimoc.base.units import GRAVITY_M_S2, cm_to_m
 from mimoc.body.origins import Entry
 from mimoc.compiler.looks.pictures import encode_png
 from mimoc.compiler.looks.wallpaper import read_picture_file
-from mimoc.compiler.mjcf.furniture import (
+from mimoc.compiler.mjcf.elements import (
     BARE,
     DOMINANT_SOLMIX,
     RAIL_RADIUS_M,
@@ -37,7 +37,7 @@ from mimoc.compiler.mjcf.furniture import (
 )
 from mimoc.compiler.mjcf.world import ObjectBody, ObjectGeom
 from mimoc.compiler.objects.built_object import BuiltObject
-from mimoc.schema.objects import MOST_CYCLES, GratingSpec, Material, PicturedSpec
+from mimoc.schema.objects import MAX_CYCLES, GratingSpec, Material, PicturedSpec
 
 AHEAD: Vec3 = (1.0, 0.0, 0.0)
 ACROSS: Vec3 = (0.0, 1.0, 0.0)
@@ -61,14 +61,12 @@ class Surface:
 
 
 def soft_contact(sink_m: float) -> tuple[tuple[float, float], tuple[float, float, float, float, float]]:
-    """Return `solref` and `solimp` of foam into which whatever rests on one point of it sinks by a depth r.
+    """Return `solref` and `solimp` of foam into which whatever rests on one point of it sinks by a depth r, *sink_m*.
 
     With time constant T, critical damping and impedance d at that depth, D at full width, MuJoCo's contact pushes with
     the acceleration d r / (D T)^2, and at rest it bears (1 - d) / d of gravity g with it. So r = (1 - d) g (D T / d)^2,
     whatever the mass, and T = d sqrt(r / ((1 - d) g)) / D. On n points, a body sinks in by about r / n.
 
-    Args:
-        sink_m: The depth r.
     """
     least, most = SOFT_IMPEDANCE
     impedance = least + (most - least) * 2 / SOFT_WIDTH**2  # MuJoCo's sigmoid with power 2 and midpoint 0.5.
@@ -176,7 +174,7 @@ BEFORE_M = 0.002  # Gap between a picture and the board behind it, so that this 
 GLOWING: Rgba = (0.02, 0.02, 0.02, 1.0)
 """Colour of a picture that glows: it reflects so much of other light, and as much more shines as makes it white."""
 FACETS = 16  # Along a side: MuJoCo computes light at their corners only.
-CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MOST_CYCLES, 8
+CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MAX_CYCLES, 8
 """Texels of a cycle, most of all cycles together, and texels along the stripes, where nothing changes."""
 
 
@@ -187,13 +185,11 @@ def show(
 
     Args:
         name: Of the furniture in the model.
-        spec: What it shows.
-        folder: What its path is relative to.
+        spec: What it shows; a path in it is relative to *folder*.
+        folder: Folder of the spec.
         front_m: The middle of the front of the board behind it.
         glows: Whether it looks the same in every light.
 
-    Raises:
-        ObjectError: If the file cannot be read.
     """
     half_m = cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2
     if spec.grating:

@@ -13,10 +13,10 @@ from mimoc.base.units import GRAVITY_M_S2
 from mimoc.body.kinematics import FloatArray, Posed, frames_in_world, hip_in_world, pose
 from mimoc.body.origins import Entry
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.mjcf.furniture import BARE, UNTOUCHED, Furniture, Rgba, WorldMaterial
+from mimoc.compiler.mjcf.elements import BARE, UNTOUCHED, Furniture, Rgba, WorldMaterial
 from mimoc.compiler.mjcf.world import MeshFile, ObjectBody, ObjectGeom, PlacedObject
 from mimoc.compiler.scenes import Placement, footprint
-from mimoc.compiler.toys.shape import UPRIGHT
+from mimoc.compiler.toys import UPRIGHT
 from mimoc.schema.objects import Motion, ObjectEntry, Substance, WaterEntry
 
 DAMPING_RATIO = 0.05  # Of what hangs: a swing falls to a third in about three and a half periods; an assumption.
@@ -82,34 +82,24 @@ def pendulum_damping(*hanging: tuple[float, float, float]) -> float:
 class BuiltObject:
     """An object in a frame of its own: what its place is said of is above the origin, its lowest point at z = 0."""
 
-    root: ObjectBody
-    """Its outermost body; its place there is in this frame."""
+    root: ObjectBody  # Its outermost body; its place there is in this frame.
     materials: tuple[WorldMaterial, ...]
     motion: Motion
-    material: Substance
-    """What it is made of."""
-    radius_m: float
-    """Radius of a vertical cylinder about the origin that encloses it."""
-    height_m: float
-    """Of its highest point that something can lie on or be above."""
-    size_m: float
-    """Its longest side."""
+    material: Substance  # What it is made of.
+    radius_m: float  # Radius of a vertical cylinder about the origin that encloses it.
+    height_m: float  # Of its highest point that something can lie on or be above.
+    size_m: float  # Its longest side.
     mass_kg: float
     surface_m: tuple[float, float] | None = None
     """Half lengths along x and y of the level surface on top of it, on which other objects can lie; None for none."""
     discs: tuple[Vec3, ...] = ()
     """The floor below it, as discs by x, y and radius, if the cylinder that encloses it is too wide for that."""
     meshes: tuple[MeshFile, ...] = ()
-    pictures: Furniture = BARE
-    """Textures, and materials with textures."""
-    bells: tuple[str, ...] = ()
-    """Names of the geoms that ring."""
-    tie: "Tie | None" = None
-    """Its ribbon, if it has one."""
-    water: WaterEntry | None = None
-    """What the runtime must know if it is water."""
-    notes: tuple[str, ...] = ()
-    """What is to be known of its shape, for the README of a bundle."""
+    pictures: Furniture = BARE  # Textures, and materials with textures.
+    bells: tuple[str, ...] = ()  # Names of the geoms that ring.
+    tie: "Tie | None" = None  # Its ribbon, if it has one.
+    water: WaterEntry | None = None  # What the runtime must know if it is water.
+    notes: tuple[str, ...] = ()  # What is to be known of its shape, for the README of a bundle.
     origins: Mapping[str, Entry] = field(default_factory=dict)
     """Where its numbers come from, by the end of their keys in `provenance.json`."""
 
@@ -168,20 +158,14 @@ class Surroundings:
     """What objects are built for and placed among: the infant as it starts, and the floor."""
 
     tree: BodyTree
-    qpos: tuple[float, ...]
-    """The state in which it starts, in the world."""
+    qpos: tuple[float, ...]  # The state in which it starts, in the world.
     start: Placement
-    half_size_m: tuple[float, float]
-    """Of the floor, from its middle at the origin."""
+    half_size_m: tuple[float, float]  # Of the floor, from its middle at the origin.
     has_floor: bool
-    folder: Path
-    """That paths in the spec are relative to."""
-    things: tuple[PlacedThing, ...] = ()
-    """The objects that are placed already."""
-    prefix: str = ""
-    """With which the names of the infant begin in the model."""
-    taken: tuple[Vec3, ...] = ()
-    """Floor that other infants cover, as discs by x, y and radius, in [m]."""
+    folder: Path  # That paths in the spec are relative to.
+    things: tuple[PlacedThing, ...] = ()  # The objects that are placed already.
+    prefix: str = ""  # With which the names of the infant begin in the model.
+    taken: tuple[Vec3, ...] = ()  # Floor that other infants cover, as discs by x, y and radius, in [m].
 
     @cached_property
     def posed(self) -> Posed:

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 
 from mimoc.base.mujoco_layout import MuscleParameters
 from mimoc.body.origins import LAW_KEY, REFERENCE
-from mimoc.body.strength import published_fmax
-from mimoc.body.tone import tone_origin
+from mimoc.body.strength import published_fmax, tone_origin
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.compiler.actuation import ActuationSetup, Origin, activation, activation_origin, with_tone
 from mimoc.compiler.mjcf.elements import Actuator
@@ -153,7 +152,6 @@ def _muscle(
 
 
 def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
-    """Yield where the numbers of the muscles come from, and of the joints."""
     damping = f"{DAMPING:g} x that of {REFERENCE}; the same at every age by the law `published`"
     for name in () if tree.growth else tree.joints:
         yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo", (MODEL_KEY, LAW_KEY))

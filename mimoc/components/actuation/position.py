@@ -27,8 +27,7 @@ import numpy as np
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.kinematics import hinges, pose
 from mimoc.body.origins import REFERENCE
-from mimoc.body.strength import FASTEST_RAD_S
-from mimoc.body.tone import tone_origin
+from mimoc.body.strength import FASTEST_RAD_S, tone_origin
 from mimoc.body.tree import BodyTree, Geom, Joint, Motor
 from mimoc.compiler.actuation import EYES_S, ActuationSetup, Origin, quick_joints
 from mimoc.compiler.mjcf.elements import Actuator

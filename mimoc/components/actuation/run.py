@@ -4,14 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.base.mujoco_layout import MUSCLE_FORCE
-from mimoc.runtime.actuation import (
-    Actuation,
-    activations,
-    command_range,
-    effort_of,
-    find_actuators,
-    limits_of_motors,
-)
+from mimoc.runtime.actuation import Actuation, activations, command_range, effort_of, find_actuators, limits_of_motors
 from mimoc.runtime.term import Field
 from mimoc.schema.actuation import ActuationEntry
 

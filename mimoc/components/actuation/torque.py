@@ -4,7 +4,7 @@ Under `maturing`, a motor also has what quiet muscles do at a joint angle q and 
 
     torque = gear x activation - k (q - q_0) - T w / w_0
 
-within the same force range, with the muscle tone k, q_0 (`mimoc.body.tone`), the torque T at full command, and the
+within the same force range, with the muscle tone k, q_0 (`mimoc.body.strength`), the torque T at full command, and the
 speed w_0 at which a fully activated motor no longer pulls. Where it helps the movement, this is Hill's curve as a
 straight line; where it does not, muscles resist with what is left of the force range. It is none of the joint's: a
 slack infant (arousal 0) swings freely. A damper with the cube of speed would be nearer to no force at small speeds, but
@@ -16,8 +16,7 @@ from collections.abc import Iterator
 
 from mimoc.base.mujoco_layout import AffineBias
 from mimoc.body.origins import REFERENCE
-from mimoc.body.strength import published_fmax
-from mimoc.body.tone import tone_origin
+from mimoc.body.strength import published_fmax, tone_origin
 from mimoc.body.tree import BodyTree, Joint, Motor
 from mimoc.compiler.actuation import AT_ONCE, ActuationSetup, Origin, activation, activation_origin
 from mimoc.compiler.mjcf.elements import Actuator
@@ -81,12 +80,6 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         at = f"actuator.{motor.name}"
         origin = Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))
         if tree.growth:
-            yield f"{at}.biasprm", _tone_origin(motor)
+            speed = f"torque at full command / {motor.fastest_rad_s:g} rad/s, as of shortening muscles (D)"
+            yield f"{at}.biasprm", tone_origin(motor).times(f"; by speed, {speed}; x arousal", f"{at}.gear")
         yield f"{at}.user", published_fmax(motor, "VMAX, FMAX") if motor.fmax else origin
-
-
-def _tone_origin(motor: Motor) -> Origin:
-    speed = (
-        f"; by speed, torque at full command / {motor.fastest_rad_s:g} rad/s, as of shortening muscles (D); x arousal"
-    )
-    return tone_origin(motor).times(speed, f"actuator.{motor.name}.gear")

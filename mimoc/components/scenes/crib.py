@@ -11,7 +11,7 @@ from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import stature
 from mimoc.body.origins import Entry
 from mimoc.compiler.looks.wallpaper import WALLS, Wallpapers
-from mimoc.compiler.mjcf.furniture import (
+from mimoc.compiler.mjcf.elements import (
     DOMINANT_SOLMIX,
     RAIL_IN_CHILDREN,
     RAIL_RADIUS_M,
@@ -79,7 +79,6 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
 
 
 def _origins(made: Crib) -> dict[str, Entry]:
-    """Return where the numbers of a crib come from."""
     size_rule = (
         f"inside: the common kind's (EN 716-1), or {LENGTH_IN_CHILDREN:g} x the child's length, or as far as it reaches"
     )

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import UnknownToysError, suggestion
-from mimoc.compiler.toys.placing import Toybox
-from mimoc.compiler.toys.shape import Mesh, Part, Solid, ToyModel
-from mimoc.schema.toys import ToysSpec
+from mimoc.compiler.toys import Mesh, Part, Solid, Toybox, ToyModel
+from mimoc.schema.objects import ToysSpec
 
 MESHES, FIGURES = (Path(__file__).with_name(f"toys.{suffix}") for suffix in ("npz", "json"))
 """The meshes of the parts of all toys, `<toy>/<tint>/vertices` and `faces`; everything else by toy."""

@@ -27,7 +27,7 @@ from mimoc.bundle.files import check_place, staged_folder, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, read_regular_file
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build
 from mimoc.compiler.provenance import SCALE_NOT_KNOWN, SPEC_FILE
 from mimoc.motion import read_npz
 from mimoc.motion.joint_motion import MOTION, JointMotion, motion_of, pack_motion, read_motion

@@ -39,7 +39,7 @@ from mimoc.movement.retargeting.start import TRUNK, Pitch, Start, contacts_of, p
 THIN_HZ = 7.5  # Frames per second of the first fit, which finds postures and sizes.
 FEWEST_THIN = 12  # Frames that it has at least, if there are as many.
 NOISE_OF_TRUNK, NOISE_M = 0.012, 0.01  # Noise that a fit begins with: of places as a share of the trunk, and of depth.
-LEAST_OF_TRUNK, LEAST_WITHOUT_DEPTH = 0.001, 0.007
+MIN_OF_TRUNK, MIN_WITHOUT_DEPTH = 0.001, 0.007
 """Noise that is assumed at least, since no model is exact: with depth, and of one camera without it, which would take
 each pixel for a difference in depth (D: fits of films without any noise are then as good as of those with 1 px)."""
 HEIGHT_SD_M, KNOWN_SD_M = 0.5, 0.002  # How far the height is from where the fit starts, and from one that was measured.
@@ -276,7 +276,7 @@ def points_of(problem: Problem, state: State) -> FloatArray:
 def usual_noise(recording: PointRecording) -> Noise:
     """Return the noise that a fit begins with."""
     flat = recording.unit == "px" and recording.depth_m is None
-    least = (LEAST_WITHOUT_DEPTH if flat else LEAST_OF_TRUNK) * recording.trunk
+    least = (MIN_WITHOUT_DEPTH if flat else MIN_OF_TRUNK) * recording.trunk
     return Noise(NOISE_OF_TRUNK * recording.trunk if recording.unit == "px" else NOISE_M, NOISE_M, least)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
+from mimoc.compiler.building import build
 from mimoc.compiler.measuring import compile_infant
-from mimoc.compiler.pipeline import build
 from mimoc.motion.body_points import BodyPoint
 from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import FloatArray
@@ -20,7 +20,7 @@ from mimoc.schema.infant import InfantSpec
 
 PointsOf = Callable[[mujoco.MjModel], list[BodyPoint]]  # What gives the points that a fit needs on a model.
 STEP = 0.05  # Change of a factor by which derivatives are computed; origins are linear in factors.
-LEAST, MOST = 0.6, 1.7  # Factors on parts that are tried, within those that a spec can have.
+MIN_FACTOR, MAX_FACTOR = 0.6, 1.7  # Factors on parts that are tried, within those that a spec can have.
 OVERALL_SD = 0.045
 """Standard deviation of the logarithm of a child's length: 3.5 % by WHO's standards up to two years, and the difference
 between these and the survey of the average child."""
@@ -102,7 +102,7 @@ def resized(spec: InfantSpec, factors: Mapping[str, float], length_cm: float | N
             before = spec.body.parts.get(name)
             for key in size.keys:
                 value = (getattr(before, key) if before else 1.0) * factor
-                parts.setdefault(name, {})[key] = round(float(np.clip(value, LEAST, MOST)), 4)
+                parts.setdefault(name, {})[key] = round(float(np.clip(value, MIN_FACTOR, MAX_FACTOR)), 4)
     individual = (
         {} if length_cm is None else {"individual": {"length_percentile": None, "length_cm": round(length_cm, 2)}}
     )

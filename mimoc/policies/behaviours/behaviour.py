@@ -1,4 +1,4 @@
-"""What a behaviour is: target angles of some joints in each control step, and whether it does what it is for."""
+"""Behaviours: target angles of some joints in each control step, and whether the infant does what they are for."""
 
 import math
 import re
@@ -15,10 +15,12 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.policies.control.dynamics import find_frame
-from mimoc.policies.control.holding.postures import DrivenInfant
+from mimoc.policies.control.infant import DrivenInfant
 from mimoc.runtime.sense import FloatArray, IntArray
 
-SEPARATOR = re.compile(r",(?![^(]*\))")
+SEPARATOR = re.compile(r",(?![^(]*\))")  # A comma that is not in parentheses.
+NUMBER = r"\s*[-+]?\d*\.?\d+\s*"
+BARE_PLACE = re.compile(rf"^({NUMBER},{NUMBER},{NUMBER})(?=,|$)")  # Three numbers at the beginning.
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +43,8 @@ class Arguments:
 def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0) -> Arguments:
     """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError."""
     words, numbers = list[str](), {name: option.default for name, option in options.items()}
-    # Three bare numbers at the beginning get parentheses.
-    number = r"\s*[-+]?\d*\.?\d+\s*"
-    for piece in filter(
-        None, map(str.strip, SEPARATOR.split(re.sub(rf"^({number},{number},{number})(?=,|$)", r"(\1)", text)))
-    ):
+    pieces = SEPARATOR.split(BARE_PLACE.sub(r"(\1)", text))
+    for piece in (piece.strip() for piece in pieces if piece.strip()):
         name, sign, value = map(str.strip, piece.partition("="))
         if not sign:
             words.append(piece)
@@ -53,7 +52,8 @@ def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], mos
         check_name(f"setting of '{behaviour}'", name, options)
         numbers[name] = _number(behaviour, name, value, options[name])
     if len(words) > most_words:
-        raise PolicyError(f"'{behaviour}' does not take '{words[most_words]}'; {_usage(options)}")
+        takes = ", ".join(f"{name}={option.default:g}" for name, option in options.items()) or "no more"
+        raise PolicyError(f"'{behaviour}' does not take '{words[most_words]}'; it takes {takes}")
     return Arguments(tuple(words), numbers)
 
 
@@ -81,15 +81,9 @@ def _number(behaviour: str, name: str, value: str, option: Option) -> float:
     return number
 
 
-def _usage(options: Mapping[str, Option]) -> str:
-    if not options:
-        return "it takes no more"
-    return f"it takes {', '.join(f'{name}={option.default:g}' for name, option in options.items())}"
-
-
 T = TypeVar("T")
 SIGHT = "vision"
-LEAST_S = 0.02  # No single decision is quicker.
+MIN_S = 0.02  # No single decision is quicker.
 
 
 @dataclass
@@ -145,7 +139,7 @@ class Reaction(Generic[T]):
 
     def _decision_s(self, generator: np.random.Generator) -> float:
         spread = math.sqrt(math.log1p(self.variation**2))
-        return max(LEAST_S, self.mean_s * math.exp(spread * generator.standard_normal() - spread**2 / 2))
+        return max(MIN_S, self.mean_s * math.exp(spread * generator.standard_normal() - spread**2 / 2))
 
 
 def reaction_of(manifest: Manifest, response: str) -> Reaction[int] | None:

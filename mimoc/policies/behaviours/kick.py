@@ -11,8 +11,9 @@ import numpy as np
 
 from mimoc.base.errors import check_name
 from mimoc.policies.behaviours.behaviour import Behaviour, Option, Subject, read_arguments
-from mimoc.policies.control.holding.postures import SIDES, elevation_deg
+from mimoc.policies.control.postures import elevation_deg
 from mimoc.runtime.sense import FloatArray
+from mimoc.schema.names import SIDES
 
 PITCH_DEG = -90.0
 RESTING_DEG = {
@@ -30,7 +31,7 @@ PHASE_S = 0.35
 OPTIONS = {"rate_per_min": Option(12.0, 1.0, 60.0), "hip_deg": Option(45.0, 5.0, 90.0)}
 """Kicks of each leg in a minute, of which infants of 0 to 4 months filmed on their backs make 12 (MINI-RGBD), and the
 excursion of the hip, for which 30 to 60 degrees have been published."""
-LEAST_UP_DEG = 30.0  # How far the chest of an infant on its back faces up at least; 0 is lying on the side (a choice).
+MIN_UP_DEG = 30.0  # How far the chest of an infant on its back faces up at least; 0 is lying on the side (a choice).
 BOTH, LEGS = "both", ("left_leg", "right_leg")
 WORDS = (*SIDES, BOTH)
 
@@ -62,7 +63,7 @@ class Kick(Behaviour):
 
     def lost(self, data: mujoco.MjData, may_touch: frozenset[int]) -> str:
         """Return whether it lies on its back no more; see `Behaviour`."""
-        return "" if elevation_deg(data, self._infant.pushed) >= LEAST_UP_DEG else "not on its back"
+        return "" if elevation_deg(data, self._infant.pushed) >= MIN_UP_DEG else "not on its back"
 
     def watch(self, data: mujoco.MjData, time_s: float) -> None:
         """Note where the hips are; see `Behaviour`."""

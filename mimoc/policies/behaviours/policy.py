@@ -1,4 +1,4 @@
-"""The policy of some behaviours: where its episodes begin, the actions in them, and what came of them."""
+"""The policy that does some behaviours at once: where its episodes begin, its actions, and its metrics."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ import numpy as np
 
 from mimoc.base.errors import PolicyError
 from mimoc.policies.behaviours.behaviour import Behaviour, Chance, Subject
-from mimoc.policies.control.holding.controller import Rehearsal, Servo, servo
-from mimoc.policies.control.holding.postures import DrivenInfant
+from mimoc.policies.control.holding import Rehearsal, Servo, servo
+from mimoc.policies.control.infant import DrivenInfant
 from mimoc.policies.policy import begin_here, merged_metrics, numbered
-from mimoc.runtime.delays.signals import timing_of
+from mimoc.runtime.delays import timing_of
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, IntArray, Observation
 
@@ -19,7 +19,7 @@ NOBODY = -1
 
 
 class Ensemble:
-    """What some behaviours propose for the n driven hinges of an infant, and the commands that go there.
+    """Some behaviours together: the angles that they propose for the n driven hinges of an infant, and the commands.
 
     A posture of the whole body moves all joints but those that other behaviours move; joints that none moves get no
     commands.
@@ -35,7 +35,7 @@ class Ensemble:
         """The posture that an episode begins in, if a behaviour says so."""
 
     def _only(self, which: Sequence[bool], what: str) -> int | None:
-        """Return which one behaviour something is true of, None if of none; raise a PolicyError if of several."""
+        """Return the index of the only behaviour for which a flag is set, or None; PolicyError if there are several."""
         numbers = np.flatnonzero(which)
         if len(numbers) > 1:
             names = " and ".join(f"'{self._labels[number]}'" for number in numbers)

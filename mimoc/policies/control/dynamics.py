@@ -9,7 +9,7 @@ that j M⁻¹ j'ᵀ = y y'ᵀ, and constraints remove the component of each y in
 """
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.bundle.manifest import AnatomyEntry, Manifest
+from mimoc.bundle.manifest import AnatomyEntry, LimbEntry, Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.runtime.sense import FloatArray, IntArray
 
@@ -214,6 +214,14 @@ def joints_between(model: mujoco.MjModel, body: int, root: int) -> list[int]:
         body = int(model.body_parentid[body])
 
 
+def arms_with_hands(anatomy: AnatomyEntry, model: mujoco.MjModel) -> Iterator[tuple[LimbEntry, int, list[int]]]:
+    """Yield each arm that ends in a hand, the body of the hand, and the joints from the shoulder to the wrist."""
+    for limb in anatomy.arms:
+        if limb.end:
+            hand = model.body(limb.end).id
+            yield limb, hand, joints_between(model, hand, model.body(limb.root).id)
+
+
 REDUNDANT = 1e-9  # Relative size below which a constraint counts as redundant, as when a body has many contact points.
 
 
@@ -286,7 +294,7 @@ def halved(model: mujoco.MjModel, data: mujoco.MjData, scales: FloatArray, rows:
 HELD = 1e-3
 """Ratio of a joint's response with supports to that without, below which it counts as held, such as a locked joint."""
 SLACK = 1e-6  # Tolerance by which a joint may exceed a bound, relative to its response to full strength.
-LEAST_RESPONSE = 1e-9  # Response to full strength below which a joint counts as having no strength, [rad/s²].
+MIN_RESPONSE = 1e-9  # Response to full strength below which a joint counts as having no strength, [rad/s²].
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,7 +316,7 @@ class JointLimit:
     @property
     def free(self) -> npt.NDArray[np.bool_]:
         """Mask of the joints that are not held by the world and have some strength, shape (n,)."""
-        return self.response.diagonal() > np.maximum(HELD * self.unheld, LEAST_RESPONSE)
+        return self.response.diagonal() > np.maximum(HELD * self.unheld, MIN_RESPONSE)
 
 
 def solve_within_limits(
@@ -332,7 +340,7 @@ def solve_within_limits(
 _TYPES = mujoco.mjtConstraint
 _EQUALITY, _TENDON_END = int(_TYPES.mjCNSTR_EQUALITY), int(_TYPES.mjCNSTR_LIMIT_TENDON)
 _FIRST_CONTACT = int(_TYPES.mjCNSTR_CONTACT_FRICTIONLESS)  # First of MuJoCo's constraint types that are contacts.
-MOST_PLAY_RAD = 0.05
+MAX_PLAY_RAD = 0.05
 """Range below which a tendon couples its joints, as in the spine (0.02 rad); with a wider one, it only limits them."""
 ON_CONE = 1.0 - 1e-6  # Share of the largest friction from which on a contact counts as sliding.
 _STICKING = int(mujoco.mjtConstraintState.mjCNSTRSTATE_QUADRATIC)
@@ -420,7 +428,7 @@ def _sticking_by_force(data: mujoco.MjData) -> npt.NDArray[np.bool_]:
 def _couplings(model: mujoco.MjModel) -> FloatArray:
     """Return the Jacobian of the tendons that couple joints, shape (m, nv)."""
     play_rad = np.diff(model.tendon_range, axis=1)[:, 0]
-    tendons = np.flatnonzero((model.tendon_limited != 0) & (play_rad < MOST_PLAY_RAD))
+    tendons = np.flatnonzero((model.tendon_limited != 0) & (play_rad < MAX_PLAY_RAD))
     couplings = np.zeros((len(tendons), model.nv))
     for row, tendon in zip(couplings, tendons, strict=True):
         first = model.tendon_adr[tendon]

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.base.classes import check_class
-from mimoc.base.errors import ControlError, UnknownNameError
-from mimoc.base.units import ms_to_s
+from mimoc.base.errors import ControlError
 from mimoc.bundle.manifest import Manifest
+from mimoc.policies.control.actuators import Plant
 from mimoc.policies.control.dynamics import (
     HELD,
     ContactConstraints,
@@ -24,43 +24,35 @@ from mimoc.policies.control.dynamics import (
     size_of,
     solve_within_limits,
 )
+from mimoc.policies.control.infant import DrivenJoints
 from mimoc.policies.control.objectives import Objective, Posture
-from mimoc.policies.control.torque_mapping import find_mapping
-from mimoc.runtime.actuation import Actuation, bind_actuation
-from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray
 
 BRAKING_PER_S = 20.0  # How fast a joint may approach the end of its range, by the way that is left.
 MARGIN_RAD = 0.02  # How far from the end it is to stop.
 
 
-class Joints:
-    """The n hinges that a controller moves."""
+class _Stops:
+    """Accelerations with which n hinges still stop before the ends of their ranges."""
 
-    def __init__(self, names: Sequence[str], model: mujoco.MjModel, prefix: str = ""):
-        self.names = tuple(names)
-        self.indices: IntArray = np.array([model.joint(prefix + name).id for name in names], np.intp)
-        """In the model, shape (n,)."""
-        self.angles = model.jnt_qposadr[self.indices].astype(np.intp)
-        """Where their angles stand in the state, shape (n,)."""
-        self.speeds = model.jnt_dofadr[self.indices].astype(np.intp)
-        """Where their speeds do, shape (n,)."""
-        low_rad, high_rad = model.jnt_range[self.indices].T
-        limited, margin_rad = model.jnt_limited[self.indices] != 0, np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
+    def __init__(self, joints: DrivenJoints):
+        low_rad, high_rad = joints.model.jnt_range[joints.joints].T
+        limited = joints.model.jnt_limited[joints.joints] != 0
+        margin_rad = np.minimum(MARGIN_RAD, (high_rad - low_rad) / 4)
+        self._joints = joints
         self._low_rad = np.where(limited, low_rad + margin_rad, -np.inf)
         self._high_rad = np.where(limited, high_rad - margin_rad, np.inf)
 
-    def bounds(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
-        """Return the least and the largest acceleration with which each still stops in time, shape (n,) each.
+    def accelerations(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+        """Return the least and the largest of each, shape (n,) each.
 
         They are those of a critically damped spring, so that a joint that keeps to them never passes its end.
         """
-        angles_rad = data.qpos[self.angles]
-        braking = -2.0 * BRAKING_PER_S * data.qvel[self.speeds]
+        angles_rad = data.qpos[self._joints.angles]
+        braking = -2.0 * BRAKING_PER_S * data.qvel[self._joints.dofs]
         least = BRAKING_PER_S**2 * (self._low_rad - angles_rad) + braking
         return least, BRAKING_PER_S**2 * (self._high_rad - angles_rad) + braking
 
-
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION  # The part of a state that determines accelerations.
 
 Objectives = Sequence[Objective | Posture | Sequence[Objective]]
 """Objectives, the most important first; those in a nested sequence share one priority."""
@@ -125,13 +117,14 @@ class InverseDynamics:
 
     def __call__(self) -> npt.NDArray[np.float32]:
         """Return the action for the present state, one command for each actuator of the action."""
-        self._look()
-        limits_nm = self._torques.rest(self._model, self._data)
-        if not np.isfinite(self._state).all():  # The simulation became unstable; the episode is over.
-            return self._torques.command(np.zeros(len(limits_nm))).astype(np.float32)
-        now = dynamics(self._model, self._data, self._joints.speeds, self._supports.jacobian(self._data))
-        torques_nm = self._torques.strength_nm * self._shares(now)
-        return self._torques.command(np.clip(torques_nm, limits_nm[:, 0], limits_nm[:, 1])).astype(np.float32)
+        plant = self._plant
+        plant.look(self._observed)
+        limits_nm = plant.rest()
+        if not plant.is_finite:
+            return plant.action(np.zeros(len(limits_nm)))
+        now = dynamics(plant.model, self._data, self._joints.dofs, self._supports.jacobian(self._data))
+        torques_nm = plant.strength_nm * self._shares(now)
+        return plant.action(np.clip(torques_nm, limits_nm[:, 0], limits_nm[:, 1]))
 
     def bind(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Look up all names in a model: at the start, and whenever the environment has changed its scene.
@@ -140,12 +133,9 @@ class InverseDynamics:
             UnknownNameError: If a site, camera, body or joint does not exist.
         """
         manifest, self._observed = self._manifest, data
-        self._model, self._data = model, mujoco.MjData(model)
-        self._state = np.empty(mujoco.mj_stateSize(model, STATE))
-        actuation = bind_actuation(manifest.actuation, model)
-        self._joints = _find_allowed(self._chosen, actuation, model, manifest)
-        mapping, step_s = find_mapping(manifest.actuation.model), ms_to_s(manifest.step_ms)
-        self._torques = mapping(actuation, self._joints.indices, model, step_s)
+        self._plant = Plant(model, manifest, self._chosen)
+        self._data, self._joints = self._plant.data, self._plant.joints
+        self._stops = _Stops(self._joints)
         self._present_rad = data.qpos[self._joints.angles]
         postures = [level for level in (*self._levels, self._posture) if isinstance(level, Posture)]
         objectives = [item for level in self._levels if not isinstance(level, Posture) for item in level]
@@ -156,31 +146,26 @@ class InverseDynamics:
 
     def errors(self) -> tuple[float, ...]:
         """Return the present error of each objective, [m] or [rad], in order, without postures."""
-        self._look()
+        self._plant.look(self._observed)
         return tuple(objective.error(self._motion(objective)) for objective in self._frames)
 
-    def _look(self) -> None:
-        mujoco.mj_getState(self._model, self._observed, self._state, STATE)
-        mujoco.mj_setState(self._model, self._data, self._state, STATE)
-        mujoco.mj_forward(self._model, self._data)
-
     def _motion(self, objective: Objective) -> Motion:
-        return self._frames[objective].motion(self._model, self._data)
+        return self._frames[objective].motion(self._plant.model, self._data)
 
     def _shares(self, now: Dynamics) -> FloatArray:
         """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
-        turning, wanted = now.joint_limit(self._torques.strength_nm), self._wanted(now)
+        turning, wanted = now.joint_limit(self._plant.strength_nm), self._wanted(now)
         linear_demands = [
             self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[item] for item in level])
             for level in self._levels
         ]
-        least, largest = self._joints.bounds(self._data)
+        least, largest = self._stops.accelerations(self._data)
         return solve_within_limits(turning, least, largest, linear_demands, self._hold(self._posture, turning))
 
     def _hold(self, posture: Posture, turning: JointLimit) -> LinearDemand:
         members = self._members[posture]
         errors_rad = posture.targets_rad(self.joints, self._present_rad) - self._data.qpos[self._joints.angles]
-        wanted = posture.gains.accelerations(errors_rad, self._data.qvel[self._joints.speeds])
+        wanted = posture.gains.accelerations(errors_rad, self._data.qvel[self._joints.dofs])
         return turning.demand(members, wanted[members])
 
     def _wanted(self, now: Dynamics) -> dict[Objective, LinearDemand]:
@@ -190,7 +175,7 @@ class InverseDynamics:
         if not demands:
             return {}
         jacobians = [demand.directions @ motions[objective].jacobian for objective, demand in demands.items()]
-        response, unheld, drift = now.response(np.concatenate(jacobians), self._torques.strength_nm)
+        response, unheld, drift = now.response(np.concatenate(jacobians), self._plant.strength_nm)
         linear_demands, first = {}, 0
         for objective, demand in demands.items():
             rows = slice(first, first := first + len(demand.accelerations))
@@ -215,19 +200,3 @@ def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Post
 
 def _is_whole(level: object) -> bool:
     return isinstance(level, Posture) and level.joints is None
-
-
-def driven_joints(actuation: Actuation, model: mujoco.MjModel, manifest: Manifest) -> tuple[str, ...]:
-    """Return the joints that the commanded actuators of an infant move, each once, as if it were alone."""
-    moved = model.actuator_trnid[actuation.actuators, 0].tolist()
-    return tuple(dict.fromkeys(manifest.of_infant(model.joint(joint).name) for joint in moved))
-
-
-def _find_allowed(
-    chosen: Sequence[str] | None, actuation: Actuation, model: mujoco.MjModel, manifest: Manifest
-) -> Joints:
-    moved = driven_joints(actuation, model, manifest)
-    for name in chosen or ():
-        if name not in moved:
-            raise UnknownNameError("joint with an actuator", name, moved)
-    return Joints(moved if chosen is None else chosen, model, manifest.prefix)

@@ -22,15 +22,13 @@ from scipy.optimize import nnls
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.policies.control.holding.controller import LateCommands
-from mimoc.policies.control.inverse_dynamics import STATE, Joints, driven_joints
-from mimoc.policies.control.torque_mapping import TorqueMapping, find_mapping
-from mimoc.runtime.actuation import bind_actuation
-from mimoc.runtime.delays.signals import timing_of
+from mimoc.policies.control.actuators import Plant
+from mimoc.policies.control.forward_model import ForwardModel
+from mimoc.runtime.delays import timing_of
 from mimoc.runtime.sense import FloatArray, IntArray
 
 BANDWIDTH_HZ, ROOT_BANDWIDTH_HZ = 2.5, 5.0
-"""Of the feedback of joints, which is that of the prototype, and of the trunk where it is assisted (a choice)."""
+"""Bandwidth of the feedback of joints, and of the trunk where that is assisted (a choice)."""
 FRICTION_RAD_S = 0.05  # Speed v_f above which dry friction counts as whole.
 
 
@@ -43,16 +41,12 @@ class Wanted:
     qacc: FloatArray  # Shape (nv,).
 
 
-class Body:
-    """A copy of an infant's state, with the n joints that its commanded actuators move."""
+class MovedBody(Plant):
+    """An infant whose limbs and whose root follow a motion."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
         """Bind to a model; raise a ControlError if the infant has servos."""
-        mapping, actuation = find_mapping(manifest.actuation.model), bind_actuation(manifest.actuation, model)
-        joints = Joints(driven_joints(actuation, model, manifest), model, manifest.prefix)
-        self.model, self.data, self.joints = model, mujoco.MjData(model), joints
-        self.actuators: IntArray = actuation.actuators
-        self.torques: TorqueMapping = mapping(actuation, self.joints.indices, model, ms_to_s(manifest.step_ms))
+        super().__init__(model, manifest)
         limbs = {"arms": manifest.anatomy.arms, "legs": manifest.anatomy.legs}
         self.of_limbs = {name: self._moving([limb.root for limb in each_side]) for name, each_side in limbs.items()}
         """Which joints move arms, and which legs, shape (n,)."""
@@ -64,13 +58,7 @@ class Body:
 
     def _moving(self, roots: Sequence[str]) -> npt.NDArray[np.bool_]:
         bodies = in_subtrees(self.model, [self.model.body(root).id for root in roots])
-        return bodies[self.model.jnt_bodyid[self.joints.indices]]
-
-    def look(self, observed: mujoco.MjData) -> None:
-        """Take over a state, with all that is derived from it."""
-        copy_state(self.model, observed, self.data)
-        self.data.qfrc_applied[:] = 0.0
-        mujoco.mj_forward(self.model, self.data)
+        return bodies[self.model.jnt_bodyid[self.joints.joints]]
 
     def needed(self, acceleration: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the forces that bring an acceleration about where nothing touches, and the limits of those there are.
@@ -79,7 +67,7 @@ class Body:
         joints' torques shape (n, 2), [N m]. Dry friction acts against speeds *direction*, shape (nv,).
         """
         model, data = self.model, self.data
-        limits_nm = self.torques.rest(model, data)
+        limits_nm = self.rest()
         force = np.zeros(model.nv)
         mujoco.mj_mulM(model, data, force, acceleration)
         force += data.qfrc_bias - data.qfrc_passive - data.qfrc_actuator
@@ -101,21 +89,14 @@ class Body:
         return bodies[self.is_own[bodies].any(axis=1)]
 
 
-def copy_state(model: mujoco.MjModel, source: mujoco.MjData, target: mujoco.MjData) -> None:
-    """Copy what determines all that follows, without what is derived from it."""
-    state = np.empty(mujoco.mj_stateSize(model, STATE))
-    mujoco.mj_getState(model, source, state, STATE)
-    mujoco.mj_setState(model, target, state, STATE)
-
-
 class Tracker:
     """Returns the action that follows a motion in the present state, at each control step."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest):
         """Bind to an infant with motors or muscles, or raise a ControlError; each call reads *data*."""
-        self._observed, self._body = data, Body(model, manifest)
-        self._late = LateCommands(model, self._body.actuators, timing_of(manifest, {}))
-        self._ahead, self._step_s = mujoco.MjData(model), ms_to_s(manifest.step_ms)
+        self._observed, self._body = data, MovedBody(model, manifest)
+        self._forward = ForwardModel(model, self._body.actuators, timing_of(manifest, {}))
+        self._step_s = ms_to_s(manifest.step_ms)
         self.leads_s = self._leads_s()
         """Time after which what is commanded takes effect in each degree of freedom, shape (nv,)."""
         stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)
@@ -126,44 +107,34 @@ class Tracker:
 
     def _leads_s(self) -> FloatArray:
         """Return a control step, and the delay of commands to each joint; a wrench at the root acts at once."""
-        model, late = self._body.model, self._late
+        model = self._body.model
         leads_s = np.full(model.nv, self._step_s)
         moved = model.jnt_dofadr[model.actuator_trnid[self._body.actuators, 0]]
-        leads_s[moved] += model.opt.timestep * late.delay_steps
+        leads_s[moved] += model.opt.timestep * self._forward.delay_steps
         return leads_s
 
     def begin(self) -> None:
         """Begin an episode, in which no command is on its way."""
-        self._late.forget()
+        self._forward.forget()
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
         """Return the action, shape (nu,), for the motion when it takes effect: of each speed, `leads_s` from now."""
-        model, late, ahead = self._body.model, self._late, self._observed
-        if late.last:
-            ahead = self._ahead
-            copy_state(model, self._observed, ahead)
-        action = np.zeros(len(self._body.actuators), np.float32)
-        for step in range(late.last + 1):
-            if step:
-                mujoco.mj_step(model, ahead)
-            for group in late.groups.values():
-                if step < group.begin:
-                    late.arrive(group, step, ahead.ctrl)
-                elif step == group.begin:
-                    action[group.commands] = self._action(ahead, wanted)[group.commands]
-                    if late.last:
-                        ahead.ctrl[group.actuators] = action[group.commands]
-        late.send(action.astype(np.float64))
+        forward, action = self._forward, np.zeros(len(self._body.actuators), np.float32)
+        for _, ahead, beginning in forward.foresee(self._observed, forward.longest + 1):
+            if beginning:
+                action[beginning.commands] = self._action(ahead, wanted)[beginning.commands]
+                ahead.ctrl[beginning.actuators] = action[beginning.commands]
+        forward.send(action.astype(np.float64))
         return action
 
     def _action(self, ahead: mujoco.MjData, wanted: Wanted) -> npt.NDArray[np.float32]:
         body = self._body
         body.look(ahead)
-        model, data, speeds = body.model, body.data, body.joints.speeds
-        if not np.isfinite(data.qpos).all():  # The simulation became unstable; the episode is over.
-            body.torques.rest(model, data)
+        model, data, speeds = body.model, body.data, body.joints.dofs
+        if not body.is_finite:
+            body.rest()
             self._given_nm = np.zeros(len(speeds))
-            return body.torques.command(self._given_nm).astype(np.float32)
+            return body.action(self._given_nm)
         moving = np.zeros(model.nv)
         moving[speeds] = (wanted.qacc + self._feedback(wanted))[speeds]
         forces, limits_nm = body.needed(moving, wanted.qvel)
@@ -171,7 +142,7 @@ class Tracker:
         if len(body.touches):
             torques_nm = torques_nm - np.where(self._resting, data.qfrc_bias[speeds], 0.0)
         self._given_nm = np.clip(torques_nm, *limits_nm.T)
-        return body.torques.command(self._given_nm).astype(np.float32)
+        return body.action(self._given_nm)
 
     def assistance(self, wanted: Wanted) -> FloatArray:
         """Return the wrench that lets the root follow, too, when the latest action is taken, shape (6,).
@@ -185,13 +156,13 @@ class Tracker:
         """
         body = self._body
         model, data, root = body.model, body.data, body.root_speeds
-        if not root.size or not np.isfinite(data.qpos).all():
+        if not root.size or not body.is_finite:
             return np.zeros(root.size)
-        if self._late.last:
+        if self._forward.longest:
             body.look(self._observed)
         demanded = wanted.qacc + self._feedback(wanted)
-        if not self._late.last:
-            data.qfrc_applied[body.joints.speeds] = self._given_nm
+        if not self._forward.longest:
+            data.qfrc_applied[body.joints.dofs] = self._given_nm
             mujoco.mj_forward(model, data)
         return body.root_inertia() @ (demanded - data.qacc)[root]
 
@@ -204,16 +175,16 @@ class Tracker:
 
 
 class Demand:
-    """What a motion demands of a body, frame by frame, along the motion itself and not along what came of it."""
+    """The torques that a motion demands of a body, frame by frame, along the motion itself, however it was followed."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
-        self._body = body = Body(with_margin(model), manifest)
-        self._distal = np.stack([in_subtrees(model, [int(model.jnt_bodyid[joint])]) for joint in body.joints.indices])
+        self._body = body = MovedBody(with_margin(model), manifest)
+        self._distal = np.stack([in_subtrees(model, [int(model.jnt_bodyid[joint])]) for joint in body.joints.joints])
         self.shares: list[FloatArray] = []
         """Torque needed of each joint over what the infant has in that state and direction, shape (n,) each; NaN where
         something touches the limb, so that it is not known what it carries."""
         self.wrenches: list[FloatArray] = []
-        """What no contact gives of the wrench at the free root, shape (6,) each, [N] and [N m]; see `unsupported`."""
+        """The part of the wrench at the free root that no contact gives, shape (6,) each, [N] and [N m]."""
 
     def add(self, wanted: Wanted) -> FloatArray:
         """Add a frame; return what no contact gives of the wrench at its root, shape (6,), or (0,) if that is held."""
@@ -222,8 +193,8 @@ class Demand:
         data.qpos[:], data.qvel[:], data.act[:] = wanted.qpos, wanted.qvel, 0.0
         mujoco.mj_forward(model, data)
         torques_nm, limits_nm = body.needed(wanted.qacc, wanted.qvel)
-        available_nm = np.abs(np.where(torques_nm[body.joints.speeds] > 0.0, limits_nm[:, 1], limits_nm[:, 0]))
-        shares = np.abs(torques_nm[body.joints.speeds]) / np.maximum(available_nm, np.finfo(float).tiny)
+        available_nm = np.abs(np.where(torques_nm[body.joints.dofs] > 0.0, limits_nm[:, 1], limits_nm[:, 0]))
+        shares = np.abs(torques_nm[body.joints.dofs]) / np.maximum(available_nm, np.finfo(float).tiny)
         shares[self._touched(body.touches)] = np.nan
         self.shares.append(shares)
         wrench = torques_nm[root]

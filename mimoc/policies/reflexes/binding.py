@@ -1,9 +1,4 @@
-"""The policy `reflexes` of one infant, or of many.
-
-Ages and responses are those that textbooks give; `source` says which were read in a secondary source, and which are
-from memory and still to be checked. No source gives thresholds, gains by age, or how strong responses are: these are
-ours, and stand beside what they are of.
-"""
+"""The policy `reflexes` of one infant, or of many."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -12,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import PolicyError
-from mimoc.policies.policy import Batch, batch_of_one
-from mimoc.policies.reflexes import grasping, legs, moro, neck, protective
-from mimoc.policies.reflexes.reflex import Reflex
+from mimoc.policies.control.actuators import pulls_of
+from mimoc.policies.policy import Batch
+from mimoc.policies.reflexes.repertoire import REFLEXES, Reflex
 from mimoc.policies.reflexes.sensing import BALANCE, SIDES, Senses
-from mimoc.runtime.infant import Infant
-from mimoc.runtime.sense import FloatArray, Observation
+from mimoc.runtime.actuation import commanded
+from mimoc.runtime.sense import FloatArray
 
 FINGERS = "(ff|mf|rf|lf)_(knuckle|middle|distal)|thumb_(middle|distal)"  # Joints that bend five fingers.
 MOVEMENTS: Mapping[str, tuple[tuple[str, int], ...]] = {
@@ -51,33 +46,24 @@ def command_rows(batch: Batch) -> dict[str, FloatArray]:
     torque, a servo goes to the end of the joint's range: 1 or -1.
     """
     infant = batch.infants[0]
-    low, commanded = infant.actuation.low, [item for item in infant.manifest.actuation.actuators if item.commanded]
-    pulls_nm = infant.actuation.limits_nm
-    signs = np.where(low < 0, 0.0, np.where(pulls_nm[:, 1] > -pulls_nm[:, 0], 1.0, -1.0))
-    names = [item.mimo_actuator.removeprefix("act:") for item in commanded]
-    rows = {name: _row(names, signs, patterns) for name, patterns in HEAD.items()}
+    pulls = pulls_of(infant.actuation)
+    names = [item.mimo_actuator.removeprefix("act:") for item in commanded(infant.manifest.actuation)]
+    movements = dict(HEAD)
     for side in SIDES:
         for name, patterns in MOVEMENTS.items():
-            of_side = tuple((f"{side}_({pattern})", sign) for pattern, sign in patterns)
-            rows[f"{side} {name}"] = _row(names, signs, of_side)
+            movements[f"{side} {name}"] = tuple((f"{side}_({pattern})", sign) for pattern, sign in patterns)
+    rows = dict[str, FloatArray]()
+    for movement, patterns in movements.items():
+        rows[movement] = row = np.zeros(len(names))
+        for pattern, sign in patterns:
+            matches = np.array([re.fullmatch(pattern, name) is not None for name in names])
+            whole = np.where(pulls == 0, float(sign), (pulls == sign) * 1.0)
+            row[matches] = whole[matches]
     return rows
 
 
-def _row(names: list[str], signs: FloatArray, patterns: tuple[tuple[str, int], ...]) -> FloatArray:
-    """Return the commands of actuators; *signs* are the ways that muscles pull, and 0 of motors and servos."""
-    row = np.zeros(len(names))
-    for pattern, sign in patterns:
-        matches = np.array([re.fullmatch(pattern, name) is not None for name in names])
-        row = np.where(matches, np.where(signs == 0, float(sign), (signs == sign) * 1.0), row)
-    return row
-
-
-REFLEXES: Mapping[str, Reflex] = {
-    reflex.name: reflex for family in (grasping, moro, neck, legs, protective) for reflex in family.REFLEXES
-}
-
 NOTICED = 0.05  # Drive from which on a reflex counts as acting.
-MOST_MONTHS = 12.0  # By which reflexes of a child can be late or early.
+MAX_MONTHS = 12.0  # By which reflexes of a child can be late or early.
 
 
 class Reflexes:
@@ -177,43 +163,15 @@ class Reflexes:
         return senses
 
 
-class ReflexPolicy:
-    """The reflexes of one infant."""
-
-    def __init__(self, reflexes: Reflexes):
-        self.reflexes = reflexes
-
-    def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
-        """Return the action."""
-        return self.reflexes([generator], {name: reading[None] for name, reading in observation.items()})[0]
-
-    def reset(self) -> None:
-        """Forget what it sensed."""
-        self.reflexes.reset()
-
-    def metrics(self) -> dict[str, float]:
-        """Return the share of control steps in which each reflex acted, and which ones lack a sense."""
-        return self.reflexes.metrics()
-
-
-def bind(env: Infant, late_months: str = "0") -> ReflexPolicy:
-    """Return the policy for an environment; see `Reflexes`.
-
-    Raises:
-        PolicyError: If its argument is no number of months.
-    """
-    return ReflexPolicy(bind_many(batch_of_one(env), late_months))
-
-
 def bind_many(batch: Batch, late_months: str = "0") -> Reflexes:
     """Return the policy for many infants, see `Reflexes`; PolicyError if its argument is no number of months."""
     try:
         months = float(late_months)
     except ValueError:
         months = float("nan")
-    if not abs(months) <= MOST_MONTHS:
+    if not abs(months) <= MAX_MONTHS:
         raise PolicyError(
-            f"'reflexes:{late_months}': expected by how many months they are late, from -{MOST_MONTHS:g} to "
-            f"{MOST_MONTHS:g}; write reflexes:1.5"
+            f"'reflexes:{late_months}': expected by how many months they are late, from -{MAX_MONTHS:g} to "
+            f"{MAX_MONTHS:g}; write reflexes:1.5"
         )
     return Reflexes(batch, months)

@@ -1,4 +1,4 @@
-"""What reflexes read of the senses: touch by areas of skin, joints by name, and balance."""
+"""The stimuli of reflexes: touch by areas of skin, joints by name, and balance."""
 
 import re
 from collections.abc import Mapping
@@ -109,12 +109,12 @@ GRAVITY_S = 0.5
 POSTURE_S = 1.0  # Time constant of the posture that an infant was in before it tipped over.
 NECK = ("head_tilt_side", "head_tilt", "head_swivel")  # The joints between trunk and head that turn about x, y and z.
 BALANCE = {"up x": 0.0, "up y": 0.0, "up z": 0.0, "posture": 0.0, "is new": 1.0}
-"""What balance remembers, when an episode begins."""
+"""State of the sense of balance when an episode begins."""
 
 
 @dataclass(frozen=True)
 class Sensed:
-    """What k infants sense in one control step; arrays have the shape (k,)."""
+    """The stimuli that k infants sense in one control step; arrays have the shape (k,)."""
 
     xp: Any
     step_s: float

@@ -11,13 +11,13 @@ import torch
 import warp as wp
 
 from mimoc.base.errors import UnknownNameError
-from mimoc.runtime.batch.gymnasium_forms import mixture_error
+from mimoc.runtime.gymnasium_forms import mixture_error
 from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
 
 
 def put(values: Any) -> torch.Tensor:
-    """Return a copy on Warp's present device: real numbers with 32 bits, whole ones with 64, as torch indexes."""
+    """Copy to Warp's present device: real numbers with 32 bits, whole ones with 64, as torch indexes."""
     values = np.asarray(values)
     kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
     return torch.tensor(values, dtype=kind, device=wp.device_to_torch(wp.get_device()))
@@ -32,7 +32,7 @@ KINDS: Mapping[str, Callable[[torch.Tensor], Any]] = {
 
 
 def to_library(arrays: str) -> Callable[[torch.Tensor], Any]:
-    """Return what turns a tensor into an array of a library."""
+    """Return the function that converts a tensor to an array of a library."""
     if arrays not in KINDS:
         raise UnknownNameError("kind of arrays", arrays, KINDS)
     return KINDS[arrays]
@@ -48,7 +48,6 @@ def device_worlds(data: mjw.Data) -> Worlds:
         return counts[group_of_geom]
 
     def contacts(group_of_geom: torch.Tensor) -> tuple[torch.Tensor, ...]:
-        """Return the world of each contact, its groups, its rows of constraints, and whether it touches."""
         contact = data.contact
         world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
         is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(data.nacon)
@@ -88,20 +87,20 @@ def term_of_worlds(what: str, terms: Sequence[Term], body: torch.Tensor) -> Any:
 
 
 def where_worlds(chosen: torch.Tensor, new: torch.Tensor, former: torch.Tensor) -> torch.Tensor:
-    """Return the new values of chosen worlds, shape (worlds,), and the former ones of others, shape (worlds, ...)."""
+    """Select the new values, shape (worlds, ...), of chosen worlds, shape (worlds,), and the former ones of others."""
     return torch.where(chosen.reshape(-1, *[1] * (former.ndim - 1)), new, former)
 
 
 @contextmanager
 def present(device: wp.Device) -> Iterator[None]:
-    """Let a device be Warp's present one, where torch works on Warp's stream, so that each waits for the other."""
+    """Make a device Warp's present one, with torch on Warp's stream, so that each waits for the other."""
     with wp.ScopedDevice(device), torch.cuda.stream(wp.stream_to_torch(device)) if device.is_cuda else nullcontext():
         yield
 
 
 @contextmanager
 def only_warnings() -> Iterator[None]:
-    """Let Warp say nothing of its kernels meanwhile."""
+    """Silence Warp's messages about kernels."""
     kept, wp.config.log_level = wp.config.log_level, wp.LOG_WARNING
     try:
         yield

@@ -10,7 +10,7 @@ import numpy as np
 import warp as wp
 
 from mimoc.base.errors import MimocError
-from mimoc.runtime.batch.gymnasium_forms import first_of
+from mimoc.runtime.gymnasium_forms import first_of
 from mimoc.runtime.sense import IntArray
 
 TOLERANCE = 1e-8
@@ -33,11 +33,11 @@ COUNTS = {
     "nlight": "lights",
     "neq": "locks and welds",
 }
-"""What models are said to differ in, rather than in the fields that follow from it."""
+"""What an error names as the difference of models, rather than fields that follow from it."""
 
 
 class WorldsError(MimocError):
-    """Some infants cannot live in worlds of one model."""
+    """Infants whose bodies cannot share one model of MuJoCo Warp."""
 
 
 class WorldsModel:
@@ -50,8 +50,7 @@ class WorldsModel:
     def __init__(self, models: Sequence[mujoco.MjModel], body_of_world: IntArray, changed: Collection[str] = ()):
         self._source, self._count, self._own = models[0], len(body_of_world), set(changed)
         self._first = _put(models[0])
-        self.warp = _put(models[0], dict.fromkeys(sorted(changed), self._count))
-        """MuJoCo Warp's model."""
+        self.warp = _put(models[0], dict.fromkeys(sorted(changed), self._count))  # MuJoCo Warp's model.
         self.warp.opt.tolerance.fill_(TOLERANCE)
         self.warp.opt.warn_overflow = 0  # What overflows is reported by `capacity.report` instead of a printed line.
         self.write(self.fit(models)[0], np.arange(self._count), body_of_world)
@@ -68,7 +67,7 @@ class WorldsModel:
         return put, bool(new)
 
     def write(self, put: Sequence[mjw.Model], worlds: IntArray, body_of_world: IntArray) -> None:
-        """Write the bodies that live in some worlds as they are built, shape (worlds,)."""
+        """Write the bodies of some worlds, shape (worlds,), as they are built."""
         for name in sorted(self._own):
             values = np.concatenate([getattr(model, name).numpy() for model in put])
             array = getattr(self.warp, name)
@@ -80,17 +79,14 @@ class WorldsModel:
 def batched_data(
     models: Sequence[mujoco.MjModel], body_of_world: IntArray, contacts: int, constraints: int
 ) -> mjw.Data:
-    """Return the states of many worlds, each with room for some contacts and rows of constraints.
-
-    MuJoCo Warp computes only once where what is fixed to the world is, such as a rail, and for one body only.
-    """
+    """Return the states of many worlds, with room for contacts and rows of constraints."""
     batched = mjw.make_data(models[0], nworld=len(body_of_world), nconmax=contacts, njmax=constraints)
     place_fixed(batched, models, np.arange(len(body_of_world)), body_of_world)
     return batched
 
 
 def place_fixed(data: mjw.Data, models: Sequence[mujoco.MjModel], worlds: IntArray, body_of_world: IntArray) -> None:
-    """Write where the geoms of the bodies are that live in some worlds, shape (worlds,), before anything moves."""
+    """Write the places of geoms in some worlds, shape (worlds,): MuJoCo Warp computes fixed ones once, of one body."""
     states = [mujoco.MjData(model) for model in models]
     for model, state in zip(models, states, strict=True):
         mujoco.mj_kinematics(model, state)
@@ -103,7 +99,7 @@ def place_fixed(data: mjw.Data, models: Sequence[mujoco.MjModel], worlds: IntArr
 
 
 def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
-    """Return the same states of infants, one of whom has a model, with other room; see `batched_data`."""
+    """Return the same states with other room; see `batched_data`."""
     larger = mjw.make_data(model, nworld=data.nworld, nconmax=contacts, njmax=constraints)
     for name in _names(mjw.Data):
         former, latter = getattr(data, name), getattr(larger, name)

@@ -1,6 +1,6 @@
 """Room for contacts and constraints, which MuJoCo Warp sets aside before the first step, and how it grows.
 
-What did not fit is said by MuJoCo Warp's flags, which stay set until they are cleared. Three of them lose nothing: the
+MuJoCo Warp's flags tell what did not fit, and stay set until they are cleared. Three of them lose nothing: the
 depth of a contact of two convex shapes (`EPA_HORIZON`) or a solution (`ITERATIONS`, `LS_ITERATIONS`) is less exact.
 With all others, contacts or constraints of the infant were lost. `NEFC`, `NJMAX_NNZ` and `CCD` are set for the worlds
 that lost something. The lists of pairs of geoms and of contacts are shared: where one is full, `BROADPHASE` or
@@ -72,7 +72,7 @@ BODIES = 8  # Number of bodies that are tried, evenly among all; infants of one 
 
 @dataclass(frozen=True, slots=True)
 class Capacity:
-    """For how much there is room, in each world."""
+    """Room for contacts and rows of constraints in each world."""
 
     contacts: int
     constraints: int
@@ -80,7 +80,7 @@ class Capacity:
 
 @dataclass(slots=True)
 class Room:
-    """The room in each of some worlds."""
+    """The room in each world, and how far it may grow."""
 
     present: Capacity
     largest: Capacity  # How far it grows.
@@ -88,16 +88,18 @@ class Room:
 
     @classmethod
     def at_first(
-        cls, infants: Sequence[InfantEnv], pairs: IntArray, given: tuple[int | None, int | None], worlds: int
+        cls, infants: Sequence[InfantEnv], pairs: IntArray, contacts: int | None, constraints: int | None, worlds: int
     ) -> "Room":
-        """Return the room for contacts and constraints, measured where none is given; see `measured`."""
+        """Return the given room, or where none is given, that which `measured` suggests."""
         needed = measured([infant.model for infant in infants], [infant.manifest.pose for infant in infants], pairs)
-        contacts, constraints = int(SPARE_CONTACTS * needed.contacts), int(SPARE_CONSTRAINTS * needed.constraints)
-        largest = Capacity(int(LARGEST * needed.contacts), int(LARGEST * needed.constraints))
-        return cls(Capacity(given[0] or contacts, given[1] or constraints), largest, worlds)
+        present = Capacity(
+            contacts or int(SPARE_CONTACTS * needed.contacts),
+            constraints or int(SPARE_CONSTRAINTS * needed.constraints),
+        )
+        return cls(present, Capacity(int(LARGEST * needed.contacts), int(LARGEST * needed.constraints)), worlds)
 
     def after(self, report: IntArray) -> Capacity:
-        """Return the room for the next control step, from the report of one."""
+        """Return the room for the next control step from the report of the last one."""
         pairs = math.ceil(report[PAIRS] / self.worlds)
         return Capacity(
             _next(self.present.contacts, self.largest.contacts, pairs, bool(report[SHARED].any())),
@@ -106,10 +108,7 @@ class Room:
 
 
 def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntArray, seed: int = 0) -> Capacity:
-    """Return how much infants need at most that move at random, each from the keyframe of its pose.
-
-    MuJoCo Warp looks for contacts between some pairs of geoms, shape (p, 2).
-    """
+    """Return the most that infants need who move at random; MuJoCo Warp tests *pairs* of geoms, shape (p, 2)."""
     generator, contacts, constraints = np.random.default_rng(seed), 0, 0
     for index in np.unique(np.linspace(0, len(models) - 1, BODIES).astype(int)).tolist():
         model = models[index]
@@ -126,7 +125,7 @@ def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntA
 
 
 def _near(model: mujoco.MjModel, data: mujoco.MjData, pairs: IntArray) -> int:
-    """Return how many pairs of geoms are so near that MuJoCo Warp looks closer: their bounding spheres meet."""
+    """Count the pairs of geoms whose bounding spheres meet, which MuJoCo Warp tests further."""
     first, second = pairs.T
     offsets_m = data.geom_xpos[second] - data.geom_xpos[first]
     is_plane = model.geom_rbound[first] == 0.0  # Planes are the first of a pair.

@@ -1,6 +1,7 @@
 """The worlds of all infants on a device: one control step of all of them, without a word to the CPU."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -13,21 +14,30 @@ import warp as wp
 from gymnasium.vector import AutoresetMode
 
 from mimoc.base.units import ms_to_s, to_steps
-from mimoc.runtime.arousal import FIELDS, MOST, ToneInModels, tone_of
+from mimoc.runtime.arousal import FIELDS, MAX_AROUSAL, ToneInModels, tone_of
 from mimoc.runtime.device.arrays import device_worlds, put, term_of_worlds, where_worlds
 from mimoc.runtime.device.bodies import WorldsModel, batched_data, enlarged, place_fixed
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, NO_REWARD, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room
-from mimoc.runtime.device.episode_ends import DeviceTask, EpisodeEnds
-from mimoc.runtime.device.initial_states import (
+from mimoc.runtime.device.episodes import (
     AS_BUILT,
+    DeviceTask,
+    EpisodeEnds,
     InitialStates,
     StartOptions,
     changed_fields,
     changed_rows,
     sample_initial_states,
 )
-from mimoc.runtime.device.noise import CounterRandom, DeviceNoise, noise_of
-from mimoc.runtime.device.signals import DeviceError, DeviceSense, DeviceSetup, line_of, space_of
+from mimoc.runtime.device.signals import (
+    CounterRandom,
+    DeviceError,
+    DeviceNoise,
+    DeviceSense,
+    DeviceSetup,
+    line_of,
+    noise_of,
+    space_of,
+)
 from mimoc.runtime.device.states import HISTORY, PHYSICS, Path, Slot, attribute, in_place, kept_in, nested, write_to
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import IntArray
@@ -35,17 +45,14 @@ from mimoc.schema.senses import MOTOR
 
 
 class Bound:
-    """The senses, commands and tasks of all infants."""
+    """The senses, commands and tasks of all infants, with their delays and noise."""
 
     def __init__(self, setup: DeviceSetup, chance: CounterRandom):
-        """Find what is sensed and commanded, with its delays and noise, which draw from *chance*."""
         infants, first = setup.infants, setup.infants[0]
-        self.infants, self.body = infants, setup.body
-        """The different bodies, and which of them lives in each world, shape (worlds,)."""
+        self.infants, self.body = infants, setup.body  # The bodies, and which is in each world.
         self.task = DeviceTask(infants, setup.body)
         self.senses = {name: DeviceSense(name, setup, chance) for name in first.senses}
-        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(infants)]
-        """What each of the bodies observes."""
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(infants)]  # Of each body.
         self.actuators = put(first.actuation.actuators)
         self.commands = line_of(MOTOR, setup, len(self.actuators), chance, [None] * len(infants))
         commands: list[Any] = [infant.actuation.command for infant in infants]
@@ -65,7 +72,7 @@ class Bound:
         return {name: noise for name, noise in noises.items() if noise}
 
     def slots(self, clock: torch.Tensor) -> dict[Path, Slot]:
-        """Return what infants remember, and the signals on their way at a time."""
+        """Return the memory of tasks, and the signals on their way at a time."""
         lines = {name: sense.line for name, sense in self.senses.items()} | {MOTOR: self.commands}
         memory = {name: in_place(values) for name, values in self.task.memory.items()}
         sent = {name: line.slot(clock) for name, line in lines.items()}
@@ -80,42 +87,42 @@ class Bound:
         }
 
 
-NO_MEMORY = "Failed to allocate"  # What Warp says when the memory of a device does not do.
+NO_MEMORY = "Failed to allocate"  # Part of Warp's error when a device is out of memory.
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceOptions:
+    """What is asked of infants on a device; see `DeviceEnv`."""
+
+    autoreset_mode: AutoresetMode
+    max_episode_steps: int | None
+    touch: str
+    starts: int
+    contacts: int | None
+    constraints: int | None
 
 
 class DeviceBatch:
-    """Everything on the device, and what happens there."""
+    """All infants on the device: physics, signals, tasks and episodes."""
 
-    def __init__(
-        self,
-        infants: Sequence[InfantEnv],
-        body_of_world: IntArray,
-        room: tuple[int | None, int | None],
-        touch: str,
-        starts: int,
-        mode: AutoresetMode,
-        max_steps: int | None,
-    ):
-        self._mode, self._most_starts, self._touch, self._device = mode, starts, touch, wp.get_device()
+    def __init__(self, infants: Sequence[InfantEnv], body_of_world: IntArray, options: DeviceOptions):
+        self._options, self._device = options, wp.get_device()
         manifest, models, count = infants[0].manifest, [infant.model for infant in infants], len(body_of_world)
         self.period, self._timestep_s = to_steps(manifest.step_ms, manifest.timestep_ms), ms_to_s(manifest.timestep_ms)
         self._fields = WorldsModel(models, body_of_world, changed_fields(infants))
         self.model = self._fields.warp
-        self.room = Room.at_first(infants, self.model.nxn_geom_pair_filtered.numpy(), room, count)
-        self.overflows = dict.fromkeys(FLAGS, 0)
-        """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
-        self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()
-        """Whether physics steps are captured as graphs, and those of some numbers of steps."""
+        pairs = self.model.nxn_geom_pair_filtered.numpy()
+        self.room = Room.at_first(infants, pairs, options.contacts, options.constraints, count)
+        self.overflows = dict.fromkeys(FLAGS, 0)  # Control steps in which it was set, by flag.
+        self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()  # Graphs, by number of steps.
         present = self.room.present
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self._worlds, self.clock = device_worlds(self.data), put(0)
         self.chance, self._drawn = CounterRandom(put(np.arange(count))), WeakKeyDictionary[InfantEnv, Any]()
-        self.bound = self._bound(infants, body_of_world)
-        """What is sensed, commanded and judged now."""
+        self.bound = self._bound(infants, body_of_world)  # What is sensed, commanded and judged now.
         self.arousal = self._aroused()
-        self.ended = EpisodeEnds(infants, self.bound.body, max_steps, mode)
-        self.actions = torch.zeros_like(self.bound.commands.arrived)
-        """Of the present control step, shape (worlds, n)."""
+        self.ended = EpisodeEnds(infants, self.bound.body, options.max_episode_steps, options.autoreset_mode)
+        self.actions = torch.zeros_like(self.bound.commands.arrived)  # Of the present control step, shape (worlds, n).
         spaces: dict[str, Any] = dict(self.bound.spaces[0].items())
         self.observation = {
             name: put(np.zeros((count, *space.shape))).to(torch.uint8 if space.dtype == np.uint8 else torch.float32)
@@ -124,7 +131,7 @@ class DeviceBatch:
         self.default_starts = self.starts(AS_BUILT)
 
     def become(self, infants: Sequence[InfantEnv], body_of_world: IntArray, worlds: IntArray) -> None:
-        """Let other bodies live in some worlds, as they are built; all else goes on as it is."""
+        """Put other bodies, as built, into some worlds; all else continues."""
         models = [infant.model for infant in infants]
         bodies, has_moved = self._fields.fit(models, changed_fields(infants))
         if has_moved:
@@ -156,25 +163,24 @@ class DeviceBatch:
         }
 
     def _bound(self, infants: Sequence[InfantEnv], body_of_world: IntArray) -> Bound:
-        return Bound(DeviceSetup(infants, put(body_of_world), self.model, self._touch), self.chance)
+        return Bound(DeviceSetup(infants, put(body_of_world), self.model, self._options.touch), self.chance)
 
     def _aroused(self) -> "DeviceArousal":
-        """Return the arousal of all worlds, whose models are as built."""
         return DeviceArousal(self.bound.infants, self.bound.body, self.model)
 
     def starts(self, options: StartOptions) -> InitialStates:
         """Return the starts of all bodies with some options."""
         readers = {name: sense.reader for name, sense in self.bound.senses.items() if sense.reader}
-        infants, body, most = self.bound.infants, self.bound.body, self._most_starts
+        infants, body, most = self.bound.infants, self.bound.body, self._options.starts
         return sample_initial_states(infants, body, most, options, readers, self.model, self.data, self._drawn)
 
     def seed(self, seeds: Mapping[int, int]) -> None:
-        """Give new seeds to some worlds, which choose the same starts again, after the first."""
+        """Give new seeds to worlds, whose first episode is counted anew."""
         self.chance.restart(seeds)
         self.ended.episode[list(seeds)] = 0
 
     def begin(self, starts: InitialStates, chosen: torch.Tensor) -> None:
-        """Start an episode in the worlds that a start is chosen for, shape (worlds,); -1 is none."""
+        """Begin an episode in worlds with the chosen starts, shape (worlds,); -1 is none."""
         starts.restore(chosen, self.model, self.data, self.bound.task.memory)
         start, begins = chosen.clamp(min=0), chosen >= 0
         self._worlds.cvel.masked_fill_(begins[:, None, None], 0.0)  # Welds read that of the step before.
@@ -213,15 +219,15 @@ class DeviceBatch:
                 sense.sample(self._worlds, self.clock, self.period - end)
         judgement = self.bound.task.judge(self._worlds, self.model, self.actions)
         self.ended.judge(judgement, self._worlds, self.actions, self.default_starts, self.chance.seeds)
-        if self._mode == AutoresetMode.SAME_STEP:
+        if self._options.autoreset_mode == AutoresetMode.SAME_STEP:
             self.observe()
             self.final = {name: array.clone() for name, array in self.observation.items()}
-        if self._mode != AutoresetMode.DISABLED:
+        if self._options.autoreset_mode != AutoresetMode.DISABLED:
             self.begin(self.default_starts, self.ended.chosen)
         self.observe()
 
     def settle(self) -> None:
-        """Count what did not fit in the last step, if that has not been done, and make more room where it was short."""
+        """Read the report of the last step once: count overflows, and make more room where it was short."""
         if self.ended.report is None:
             return
         report, self.ended.report = self.ended.report.cpu().numpy(), None
@@ -242,7 +248,7 @@ class DeviceBatch:
             )
 
     def _make_room(self, wanted: Capacity) -> bool:
-        """Grow, and return whether there is more room; what the device has no memory for is more than it gets."""
+        """Enlarge the room if the device has the memory; return whether it grew."""
         if wanted == self.room.present:
             return False
         try:
@@ -257,7 +263,7 @@ class DeviceBatch:
         return True
 
     def observe(self) -> None:
-        """Write what has arrived of all senses, and what the task adds."""
+        """Write what has arrived of all senses, and what the task observes."""
         for sense in self.bound.senses.values():
             sense.arrive(self.clock, self.observation)
         for name in self.bound.task.observed:
@@ -272,7 +278,7 @@ class DeviceBatch:
         self._worlds.ctrl.index_copy_(1, self.bound.actuators, commands)
 
     def _physics(self, steps: int) -> None:
-        """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""
+        """Make physics steps; on a GPU, a graph of them is captured once the first ones have loaded all kernels."""
         if self.captures and steps in self._graphs:
             wp.capture_launch(self._graphs[steps])
             return
@@ -288,7 +294,7 @@ class DeviceBatch:
 
 
 class DeviceArousal:
-    """The arousal of all infants; as built, until it is set."""
+    """The arousal of all infants."""
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor, model: mjw.Model):
         tones = [tone_of(infant.manifest.actuation, infant.model) for infant in infants]
@@ -296,16 +302,15 @@ class DeviceArousal:
         which = body.tolist()
         self._tone = ToneInModels([tones[index] for index in which], fields, infants[0].model.jnt_qposadr, put)
         self.as_built = put([float(infants[index].manifest.actuation.arousal) for index in which])
-        self.level = self.as_built.clone()
-        """Arousal in each world now, shape (worlds,)."""
+        self.level = self.as_built.clone()  # Arousal in each world now, shape (worlds,).
         self._is_set = False
 
     def set(self, level: torch.Tensor) -> None:
-        """Change the arousal of all worlds, shape (worlds,); what is beyond 0 and 2 is clipped."""
-        self.level, self._is_set = level.clamp(0, MOST), True
+        """Set the arousal of all worlds, shape (worlds,), clipped to 0 and 2."""
+        self.level, self._is_set = level.clamp(0, MAX_AROUSAL), True
         self._tone.write(self.level - self.as_built)
 
     def begin(self, begins: torch.Tensor) -> None:
-        """Let infants that begin an episode have the arousal that they are built for; a mask of shape (worlds,)."""
+        """Reset the arousal of worlds that begin an episode, shape (worlds,), to that as built."""
         if self._is_set:
             self.set(torch.where(begins, self.as_built, self.level))

@@ -7,7 +7,8 @@ import numpy as np
 import torch
 
 from mimoc.base.state_form import check_form, require
-from mimoc.runtime.growing import AGE, SEED
+from mimoc.runtime.growing import SEED
+from mimoc.runtime.infant import AGE
 
 PHYSICS = (
     *("time", "qpos", "qvel", "act", "ctrl", "qacc_warmstart", "qfrc_applied", "xfrc_applied", "eq_active"),
@@ -15,8 +16,7 @@ PHYSICS = (
 )
 """Fields of a simulation that its next steps depend on; MuJoCo Warp's welds read `cvel` before it is computed anew."""
 Path = tuple[str, ...]  # The names that lead to a part of a state.
-Kept = dict[Path, torch.Tensor | None]
-"""All that the next steps of all worlds depend on, shape (worlds, ...); None for noise without a state."""
+Kept = dict[Path, torch.Tensor | None]  # The state of all worlds, shape (worlds, ...).
 HISTORY = "signals", "sent"  # What the paths of histories of delay lines begin with.
 
 
@@ -48,14 +48,14 @@ def kept_in(slots: Mapping[Path, Slot]) -> Kept:
 
 
 def write_to(slots: Mapping[Path, Slot], kept: Kept) -> None:
-    """Write to slots what was in them, or in those of the same infants at other ages."""
+    """Write kept values to slots, which may be those of the same infants at other ages."""
     for path, slot in slots.items():
         if path in kept:
             slot.write(kept[path])
 
 
 def states_of(kept: Kept) -> list[dict[str, Any]]:
-    """Return the state of each world: NumPy's arrays and numbers in dictionaries, by the names of their paths."""
+    """Return the state of each world as nested dictionaries of NumPy's arrays and numbers."""
     count = next(len(values) for values in kept.values() if values is not None)
     states: list[dict[str, Any]] = [{} for _ in range(count)]
     for path, values in kept.items():
@@ -69,7 +69,7 @@ def states_of(kept: Kept) -> list[dict[str, Any]]:
 
 
 def check_states(states: Any, kept: Kept) -> None:
-    """Check that there is one state for each world, with the form that those of some worlds have."""
+    """Check that there is one state for each world, of the same form as that of the first world."""
     valid = states_of({path: None if values is None else values[:1] for path, values in kept.items()})[0]
     count = next(len(values) for values in kept.values() if values is not None)
     if not isinstance(states, (list, tuple)) or len(states) != count:
@@ -91,7 +91,7 @@ def check_states(states: Any, kept: Kept) -> None:
 
 
 def joined(states: Sequence[Mapping[str, Any]], kept: Kept) -> Kept:
-    """Return the states of all worlds as arrays like those that are kept; histories are as long as the longest."""
+    """Join the states of all worlds into arrays like those kept; histories are padded to the longest."""
     return {path: None if like is None else _joined(states, path, like) for path, like in kept.items()}
 
 
@@ -110,6 +110,6 @@ def _at(state: Any, path: Path) -> Any:
 
 
 def nested(slots: Mapping[str, Slot], *path: str) -> Iterator[tuple[Path, Slot]]:
-    """Yield slots with the path that leads to all of them before their names."""
+    """Prefix the names of slots with a path."""
     for name, slot in slots.items():
         yield (*path, name), slot

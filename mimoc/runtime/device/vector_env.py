@@ -11,7 +11,17 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc.base.errors import UnknownNameError
 from mimoc.runtime.arousal import checked_arousal
-from mimoc.runtime.batch.gymnasium_forms import (
+from mimoc.runtime.closing import closable
+from mimoc.runtime.device.arrays import present, put, to_library
+from mimoc.runtime.device.capacity import Capacity
+from mimoc.runtime.device.episodes import AS_BUILT, InitialStates, StartOptions
+from mimoc.runtime.device.signals import check_infant, find_device
+from mimoc.runtime.device.simulation import DeviceBatch, DeviceOptions
+from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
+from mimoc.runtime.device.world_assignment import WorldAssignment, check_start, variant_of_state
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import AROUSAL, OBJECTS, POSE, SEED, options_given
+from mimoc.runtime.gymnasium_forms import (
     RESET_MASK,
     InfantVectorEnv,
     arousals_of,
@@ -21,29 +31,20 @@ from mimoc.runtime.batch.gymnasium_forms import (
     reset_indices,
     seeds_of,
 )
-from mimoc.runtime.closing import closable
-from mimoc.runtime.device.arrays import present, put, to_library
-from mimoc.runtime.device.capacity import Capacity
-from mimoc.runtime.device.initial_states import AS_BUILT, InitialStates, StartOptions
-from mimoc.runtime.device.signals import check_infant, find_device
-from mimoc.runtime.device.simulation import DeviceBatch
-from mimoc.runtime.device.states import Path, Slot, check_states, joined, kept_in, states_of, write_to
-from mimoc.runtime.device.world_assignment import WorldAssignment, check_start, variant_of_state
-from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.growing import AGE, AROUSAL, OBJECTS, POSE, SEED, options_given
+from mimoc.runtime.infant import AGE
 
 CARRIED = ("physics", "model", "arousal")
-STARTS = 256  # InitialStates that are drawn of each infant whose episodes begin with chance.
+STARTS = 256  # Starts that are drawn of each infant whose starts are random.
 
 
 @closable()
 class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
-    """Infants that live side by side on a device, in worlds of MuJoCo Warp.
+    """A vector environment of infants on a device, in worlds of MuJoCo Warp.
 
     They may be of different ages and measures. In numbers of 32 bits, each observes and earns what it would on the CPU;
     small differences grow, as in all simulations with contacts. Episodes begin with one of some starts of each infant,
     which are drawn beforehand as a single environment with the seeds 0, 1, 2... draws them; the infant that is reset
-    with seed s begins with start s modulo their number, later ones are chosen by chance.
+    with seed s begins with start s modulo their number, later ones are chosen at random.
 
     Observations, rewards and ends are copies for NumPy, or, for `torch` and `warp`, the environment's own memory, which
     the next step writes to: copy what is to be kept.
@@ -76,7 +77,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             max_episode_steps: Control steps after which any episode is truncated.
             arrays: What observations and rewards are: `numpy`, `torch` or `warp`.
             touch: `bodies` for the sum of the forces on each body, `points` for those at all points of the skin.
-            starts: Number of starts of each infant, if there is chance in them.
+            starts: Number of starts of each infant whose starts are random.
             contacts: Room for contacts in a world at first; by default, 1.5 times what the infant needs that needs most
                 when some of them move at random. All worlds share it, and it grows to 8 times that need.
             constraints: Likewise for rows of constraints in each world; by default, twice the need.
@@ -84,7 +85,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         Raises:
             DeviceError: If there is no such device, or an infant needs what is not there on one.
             BatchMismatchError: If the infants do not sense and command the same.
-            WorldsError: If their bodies cannot live in worlds of one model.
+            WorldsError: If their bodies cannot share one model.
             UnknownNameError: If there is no such kind of arrays or touch.
         """
         self.device = find_device(device)
@@ -93,13 +94,12 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             check_infant(infant)
         self.num_envs = num_envs or len(infants)
         self._give, mode = to_library(arrays), AutoresetMode(autoreset_mode)
-        self.arrays = arrays
-        """What observations and rewards are: `numpy`, `torch` or `warp`."""
+        self.arrays = arrays  # What observations and rewards are: `numpy`, `torch` or `warp`.
         which = np.arange(self.num_envs) % len(infants)
         self.assignment = WorldAssignment(tuple(infants), which, which)
         with present(self.device):
-            room = contacts, constraints
-            self.worlds = DeviceBatch(infants, which, room, touch, starts, mode, max_episode_steps)
+            options = DeviceOptions(mode, max_episode_steps, touch, starts, contacts, constraints)
+            self.worlds = DeviceBatch(infants, which, options)
             self._ages = self._present_ages()
             self._starts: dict[StartOptions, InitialStates] = {AS_BUILT: self.worlds.default_starts}
             self.worlds.begin(self.worlds.default_starts, self.worlds.default_starts.first)
@@ -252,14 +252,13 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             return self._observed()
 
     def __reduce__(self) -> Any:
-        """Refuse copies and pickles."""
         raise TypeError(
             "infants on a device cannot be copied or pickled; keep what get_state returns, and give it to set_state of "
             "a new environment of the same infants"
         )
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Close the infants that drew the starts."""
+        """Close the infants from which starts were drawn."""
         for infant in self.infants:
             infant.close()
 
@@ -274,7 +273,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             self._ages = self._present_ages()
 
     def _carried(self) -> dict[Path, Slot]:
-        """Return the parts of the state that growing changes on the CPU, or looks at."""
+        """Return the parts of the state that growing reads or changes."""
         return {path: slot for path, slot in self.worlds.slots().items() if path[0] in CARRIED}
 
     def _present_ages(self) -> torch.Tensor:
@@ -291,7 +290,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         return choices
 
     def _starts_with(self, options: Mapping[str, Any]) -> InitialStates:
-        """Return the starts with a pose and places of objects, which are drawn when they are first asked for."""
+        """Return the starts with a pose and places of objects, which are drawn when first needed."""
         chosen = {name: options[name] for name in (POSE, OBJECTS) if options.get(name)}
         key = json.dumps(chosen, sort_keys=True, default=float)
         if key not in self._starts:
@@ -302,7 +301,7 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         return {name: self._give(array) for name, array in self.worlds.observation.items()}
 
     def _info(self) -> dict[str, Any]:
-        """Return values with masks beside them; with resets in the same step, also what was observed last."""
+        """Return the info with its masks; with resets in the same step, also the last observation."""
         ended = self.worlds.ended
         info = {
             "is_success": self._give(ended.success),
@@ -320,7 +319,6 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
 
 
 def _checked_choices(state: Any) -> Any:
-    """Return the random numbers of the batch in a state, or raise a ValueError if these are none."""
     try:
         generator = np.random.Generator(np.random.PCG64())
         generator.bit_generator.state = state["random"]["choices"]

@@ -14,12 +14,13 @@ from mimoc.base.state_form import require
 from mimoc.bundle.model import pose_of
 from mimoc.bundle.variants import Variant
 from mimoc.runtime import growing
-from mimoc.runtime.device.initial_states import VISION, changed_rows
+from mimoc.runtime.device.episodes import VISION, changed_rows
 from mimoc.runtime.device.states import PHYSICS
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import SEED
+from mimoc.runtime.infant import AGE
 from mimoc.runtime.objects import Objects
 from mimoc.runtime.sense import IntArray, Sense
-from mimoc.runtime.spaces import check_same_space
 from mimoc.schema.kinds import SENSES
 from mimoc.schema.objects import checked_moves, names_of
 
@@ -29,26 +30,25 @@ Find = Callable[[InfantEnv, Any], Variant | None]
 
 def variant_of_options(infant: InfantEnv, options: Mapping[str, Any]) -> Variant | None:
     """Return the infant with the age and the scene of options of a reset; see `growing.find_variant`."""
-    ages = {"": options[growing.AGE]} if growing.AGE in options else {}
-    return infant.simulation.find(ages, options.get(growing.SEED))
+    ages = {"": options[AGE]} if AGE in options else {}
+    return infant.simulation.find(ages, options.get(SEED))
 
 
 def variant_of_state(infant: InfantEnv, state: Any) -> Variant | None:
     """Return the infant that a state is of; see `growing.variant_of_state`."""
-    require(isinstance(state, Mapping) and {growing.AGE, growing.SEED} <= state.keys(), "", state)
-    return infant.simulation.find_in_state({"": state[growing.AGE]}, state[growing.SEED])
+    require(isinstance(state, Mapping) and {AGE, SEED} <= state.keys(), "", state)
+    return infant.simulation.find_in_state({"": state[AGE]}, state[SEED])
 
 
 class ResetSampler(InfantEnv):
-    """A single environment whose resets a device starts from; without OpenGL, as the device draws what its eyes see."""
+    """A single environment from which a device draws starts; it needs no OpenGL, as the device draws for its eyes."""
 
     def _former_senses(self) -> Mapping[str, Sense]:
-        """Return senses that are kept when it is bound: its vision, which sees nothing."""
+        """Return vision without pictures, which binding then keeps."""
         on_device: Any = SENSES[VISION].device
         return {VISION: function_of(on_device, "NoVision")(), **super()._former_senses()}
 
     def _stands_for_others(self, *given: Any) -> Any:
-        """Refuse what is of an infant as it is now."""
         raise MimocError(
             "infants of a device are in the arrays of its 'worlds'; those in 'infants' stand for them, as they start"
         )
@@ -62,17 +62,17 @@ class ResetSampler(InfantEnv):
         return self.simulation.variants is not None and self.simulation.variants.has_other_scenes
 
     def at(self, wanted: Any, find: Find) -> "ResetSampler":
-        """Return the infant with the age and the scene that are wanted: itself, or another environment."""
+        """Return the environment of the infant with the wanted age and scene, which may be this one."""
         variant = find(self, wanted)
         if variant is None:
             return self
         objects = copy.deepcopy({"task": self._custom.task, "senses": self._custom.senses})
         infant = ResetSampler(variant, variants=self.simulation.variants, **objects)
-        check_same_space(self.observation_space, infant.observation_space)
+        growing.check_same_space(self.observation_space, infant.observation_space)
         return infant
 
     def grown_into(self, infant: "ResetSampler", state: dict[str, Any]) -> dict[str, Any]:
-        """Return what fields of the simulation and the model in a state become if it is another age's from now on."""
+        """Return physics and model fields of a state after growing into the infant of another age."""
         growing.check_same_body(self.simulation.bare, infant.simulation.bare)
         mujoco.mj_resetData(self.model, self.data)
         self.binding.fields.forget()
@@ -136,7 +136,7 @@ class WorldAssignment:
         return WorldAssignment(tuple(different), np.array([places[id(infant)] for infant in now]), self.source)
 
     def infant(self, world: int) -> InfantEnv:
-        """Return the infant that stands for the one in a world."""
+        """Return the environment of the infant in a world."""
         return self.infants[self.body[world]]
 
     def changed(self, former: "WorldAssignment") -> IntArray:
@@ -149,12 +149,12 @@ class WorldAssignment:
 
 
 def _is_change(options: Any) -> bool:
-    """Return whether options, or a state, ask for an age or a scene; what is no dictionary is refused where it is."""
-    return not isinstance(options, Mapping) or growing.AGE in options or growing.SEED in options
+    """Return whether options, or a state, name an age or a scene; what is no dictionary is refused later."""
+    return not isinstance(options, Mapping) or AGE in options or SEED in options
 
 
 def _asked(options: Any) -> Any:
-    return [options.get(name) for name in (growing.AGE, growing.SEED)] if isinstance(options, Mapping) else None
+    return [options.get(name) for name in (AGE, SEED)] if isinstance(options, Mapping) else None
 
 
 def _at(infant: InfantEnv, wanted: Any, find: Find) -> InfantEnv:

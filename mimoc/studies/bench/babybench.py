@@ -13,15 +13,15 @@ import numpy as np
 
 from mimoc.base.rounding import render_json
 from mimoc.bundle.files import write_file
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.policies.policy import Policy, start_again
 from mimoc.recording.folder import versions
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
-from mimoc.studies.bench.entrant import bound_policy, digests_of
-from mimoc.studies.bench.running import LIBRARIES, checked_file
+from mimoc.studies.bench import LIBRARIES, checked_file
+from mimoc.studies.bench.scores import bound_policy, digests_of
 from mimoc.studies.bench.table import babybench_spec, bench_table
 from mimoc.studies.jobs import Progress
 
@@ -171,7 +171,7 @@ def run_babybench(
     """
     spec, out, files = babybench_spec(behaviour), checked_file(out), digests_of([policy])
     first = bench_table().seeds.test[0]
-    with closing(InfantEnv(pipeline.build(spec))) as env:
+    with closing(InfantEnv(building.build(spec))) as env:
         env.reset(seed=first)
         act, loggers = bound_policy(env, policy), _begun(env, behaviour)
         _look(loggers)

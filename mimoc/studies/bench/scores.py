@@ -1,34 +1,112 @@
-"""What a policy scores in one task at one age, results of whole policies as they stand in files, and their tables."""
+"""What is entered for the benchmark, what it scores in one task at one age, and whole results with their tables."""
 
 import html
+import inspect
 import json
 import math
+import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 
-from mimoc.base.errors import BundleError, MovementError
+from mimoc.base.classes import import_class
+from mimoc.base.errors import BundleError, MovementError, PolicyError
 from mimoc.base.rounding import render_json
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import LOCK, digests
-from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file
-from mimoc.compiler import pipeline
+from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
+from mimoc.compiler import building
 from mimoc.movement.filming import Film
 from mimoc.movement.measured import measure_movement
-from mimoc.movement.real_infants import real_infants
-from mimoc.movement.sample import distance
-from mimoc.policies.policy import start_again
+from mimoc.movement.sample import distance, real_infants
+from mimoc.policies.class_policy import EXAMPLE, class_or_text, is_class
+from mimoc.policies.named import policy_of
+from mimoc.policies.policy import Policy, PolicyMaker, start_again
+from mimoc.policies.spec import parse_policy
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
-from mimoc.studies.bench.entrant import bound_policy
 from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
 from mimoc.studies.experiments.sensed_reaching import UNIT_M_S, Movement
+from mimoc.studies.notebook import table_rows
+
+MAX_BYTES = 2**29  # Largest file of a policy that results name: 512 MB, as for any policy.
+
+
+def text_for(text: str, cell: Cell) -> str:
+    """Return the policy for a task and an age: `{task}` and `{age}` stand for theirs, as in `runs/{task}_{age}.zip`."""
+    return text.replace("{task}", cell.task).replace("{age}", f"{cell.age_months:g}")
+
+
+def bound_policy(env: InfantEnv, text: str) -> Policy:
+    """Return a policy for an environment, by name or as `module:Class`; raise a MimocError if none fits this infant."""
+    return policy_of(env, class_or_text(text), _load)
+
+
+def digests_of(texts: Iterable[str]) -> dict[str, str]:
+    """Return digests of trained policies, named files and folders, and modules of classes, by their paths as written.
+
+    Those that ship with mimoc are known by its version. A text that is no policy raises a MimocError.
+    """
+    return digests({name: path.read_bytes() for text in dict.fromkeys(texts) for name, path in _files_of(text)})
+
+
+def check_files(policy: str, texts: Iterable[str], recorded: Mapping[str, str]) -> None:
+    """Check that the policy of a file of results has the files that it recorded, below the current folder.
+
+    Anyone may have written that file. So nothing outside of the current folder is read, nothing that is not recorded,
+    and no module is imported before it has been compared. Other files, or some elsewhere, are a PolicyError.
+    """
+    trust = "; if you trust it, name it yourself with --policy"
+    contents = dict[str, bytes]()
+    for text in dict.fromkeys(texts):
+        module = text.partition(":")[0].removesuffix(".py") if is_class(text) else ""
+        if "." in module:
+            raise PolicyError(f"its policy '{policy}' is in a package, whose other modules are not recorded{trust}")
+        named = [f"{module}.py"] if module else [part.argument for part in parse_policy(text)]
+        for path in (Path(name).expanduser() for name in named if name):
+            if os.path.lexists(path) and not path.resolve().is_relative_to(Path.cwd().resolve()):
+                raise PolicyError(f"its policy '{policy}' reads {path}, outside of this folder{trust}")
+        for name, path in [(f"{module}.py", Path(f"{module}.py"))] if module else _files_of(text):
+            if name in recorded:
+                contents[name] = _content(path)
+            else:
+                raise PolicyError(f"its policy '{policy}' reads {name}, which is not among the files that were scored")
+    if digests(contents) != recorded:
+        raise PolicyError(f"the files of its policy '{policy}' are not those that were scored")
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_regular_file(path, MAX_BYTES) or b""
+    except UnusableFileError as error:
+        raise PolicyError(f"{path}: {error}") from None
+
+
+def _files_of(text: str) -> Iterator[tuple[str, Path]]:
+    if is_class(text):
+        path = Path(inspect.getfile(import_class(text, EXAMPLE)))
+        yield path.name, path
+        return
+    for part in parse_policy(text):
+        path = Path(part.argument or "").expanduser()
+        if part.argument and path.is_file():
+            yield part.argument, path
+        elif part.argument and path.is_dir():
+            yield from ((item.as_posix(), item) for item in sorted(path.rglob("*")) if item.is_file())
+
+
+def _load(path: str) -> PolicyMaker:
+    """Return the trained policy in a file; PyTorch is only imported when there is one."""
+    from mimoc.training import load_policy
+
+    return load_policy(path)
+
 
 Z_95 = 1.959963984540054  # Quantile of the standard normal distribution for intervals of 95 %.
 WINDOW_S = 2.0
@@ -66,7 +144,7 @@ class CellScores(Model):
 
 def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
     """Return the scores of a policy in the first test episodes; raise a MimocError if it does not fit, or fails."""
-    bundle, states, successes = pipeline.build(cell.spec), sha256(), 0
+    bundle, states, successes = building.build(cell.spec), sha256(), 0
     returns, efforts, movements, distances = list[float](), list[float](), list[Movement](), list[float]()
     with closing(InfantEnv(bundle)) as env:
         act = bound_policy(env, policy)
@@ -118,7 +196,8 @@ def wilson_interval(successes: int, count: int) -> tuple[float, float]:
     (p + z² / 2n ± z √(p (1 - p) / n + z² / 4n²)) / (1 + z² / n), with p = successes / n and z = 1.96.
     """
     share, part = successes / count, Z_95**2 / count
-    middle, half = share + part / 2, Z_95 * math.sqrt(share * (1 - share) / count + part / (4 * count))
+    middle = share + part / 2
+    half = Z_95 * math.sqrt(share * (1 - share) / count + part / (4 * count))
     low, high = ((middle + sign * half) / (1 + part) for sign in (-1, 1))
     return (0.0 if successes == 0 else low, 1.0 if successes == count else high)
 
@@ -138,7 +217,7 @@ def movements_in(path_m: FloatArray, step_s: float) -> list[Movement]:
 
 def _distance(film: Film) -> list[float]:
     try:
-        return [distance(measure_movement(film.develop("episode").seen), real_infants())]
+        return [distance(measure_movement(film.to_recording("episode").seen), real_infants())]
     except MovementError:
         return []
 
@@ -210,18 +289,18 @@ def differences(before: CellScores, after: CellScores) -> list[str]:
 def markdown_tables(entries: Sequence[BenchResults]) -> str:
     """Return two tables in Markdown: how often policies succeed in each task, and the other scores, as means."""
     policies = [_code(entry.policy) for entry in entries]
-    lines = [_row("task", "months", *policies), _row("---", *["---:"] * (1 + len(entries)))]
+    rows = [("task", "months", *policies), ("---", *["---:"] * (1 + len(entries)))]
     for cell in chosen_cells():
         if any(cell.name in entry.cells for entry in entries):
-            values = [_success(entry.cells.get(cell.name)) for entry in entries]
-            lines.append(_row(cell.task, f"{cell.age_months:g}", *values))
-    lines.append(_row("**mean**", "", *(_number(_mean_of(entry, "success")) for entry in entries)))
+            values = (_success(entry.cells.get(cell.name)) for entry in entries)
+            rows.append((cell.task, f"{cell.age_months:g}", *values))
+    rows.append(("**mean**", "", *(_number(_mean_of(entry, "success")) for entry in entries)))
     headings = ("policy", "cells", "success", "effort", "arc length", "jerk", "likeness")
-    lines += ["", _row(*headings), _row("---", *["---:"] * (len(headings) - 1))]
+    means = [headings, ("---", *["---:"] * (len(headings) - 1))]
     for policy, entry in zip(policies, entries, strict=True):
-        means = [_mean_of(entry, name) for name in ("success", "effort", "arc_length", "jerk", "likeness")]
-        lines.append(_row(policy, f"{len(entry.cells)}", *map(_number, means)))
-    return "\n".join(lines)
+        scores = (_mean_of(entry, name) for name in ("success", "effort", "arc_length", "jerk", "likeness"))
+        means.append((policy, f"{len(entry.cells)}", *map(_number, scores)))
+    return f"{table_rows(rows)}\n\n{table_rows(means)}"
 
 
 def _code(text: str) -> str:
@@ -252,7 +331,3 @@ def _number(value: float | None) -> str:
 
 def _short(value: object) -> str:
     return f"{value:.9g}" if isinstance(value, float) else f"{value}"[:60]
-
-
-def _row(*items: str) -> str:
-    return f"| {' | '.join(items)} |"

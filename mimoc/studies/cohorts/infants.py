@@ -17,7 +17,7 @@ from mimoc.schema.base import KeyedError, changed, dotted, given, plain
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, RangeSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, at_another_age, read_spec
-from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
+from mimoc.schema.quantities import MAX_PERCENTILE, MIN_PERCENTILE
 from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
 
@@ -117,7 +117,8 @@ def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | N
         if isinstance(levels, DrawsSpec):
             columns.append([(key, value, ("vary", key)) for value in draws(key, levels, size.n)])
         else:
-            known, generator = _column(key, levels_of(key, levels)), stream(size.seed, f"cohort.sample.{key}")
+            known = _column(key, levels_of(key, levels))
+            generator = stream(size.seed, f"cohort.sample.{key}")
             columns.append([known[whole_between(generator, 0, len(known) - 1)] for _ in range(size.n)])
     generator = stream(size.seed, "cohort.sample.child")
     for index in range(size.n):
@@ -267,4 +268,4 @@ def build_z(length_z: float, weight_z: float) -> float:
 
 
 def _percentile(z: float) -> float:
-    return rounded(min(max(100 * NormalDist().cdf(z), LEAST_PERCENTILE), LARGEST_PERCENTILE))
+    return rounded(min(max(100 * NormalDist().cdf(z), MIN_PERCENTILE), MAX_PERCENTILE))

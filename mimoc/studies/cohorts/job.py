@@ -16,8 +16,7 @@ from mimoc.base.errors import MimocError
 from mimoc.base.quantities import QUANTITIES, measured_in, measures
 from mimoc.base.rounding import rounded
 from mimoc.policies.spec import trained_policies
-from mimoc.schema.cohort_file import CohortSpec
-from mimoc.schema.cohort_steps import step_of
+from mimoc.schema.cohort_file import CohortSpec, step_of
 from mimoc.schema.infant import to_data
 from mimoc.studies.cohorts.infants import CohortInfant
 from mimoc.version import __version__

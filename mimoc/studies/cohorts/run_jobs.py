@@ -19,8 +19,7 @@ from time import perf_counter
 from typing import Any
 
 from mimoc.base.errors import MimocError
-from mimoc.base.quantities import measured_in
-from mimoc.base.quantities.milestones import MILESTONE_AGES
+from mimoc.base.quantities import MILESTONE_AGES, measured_in
 from mimoc.bundle.files import check_unlinked, open_new_file, write_error
 from mimoc.bundle.io import LOCK, Bundle
 from mimoc.compiler.building import builder, sees_skin
@@ -29,7 +28,7 @@ from mimoc.policies.policy import PolicyMaker
 from mimoc.policies.rollout import Run
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.quantities.measuring import measure
+from mimoc.runtime.quantities import measure
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.source import in_memory_as_text
 from mimoc.studies.cohorts.job import Job, import_function
@@ -193,8 +192,8 @@ def check(work: JobContext) -> Measures:
 
 def milestones(work: JobContext) -> Measures:
     """Find the ages from which on the child reaches motor milestones."""
-    from mimoc.studies.milestones.infant import Conditions
     from mimoc.studies.milestones.search import search_near
+    from mimoc.studies.milestones.trial import Conditions
 
     conditions, options = Conditions(delays=work.job.options["delays"]), work.job.options
     ages = {name: search_near(work.spec, conditions, name).youngest_months for name in options["trials"]}

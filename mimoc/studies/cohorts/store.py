@@ -13,7 +13,7 @@ from mimoc.base.rounding import render_json, rounded
 from mimoc.bundle.files import SharedFiles, check_unlinked, make_folder, remove, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
 from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, parse_json, read_json_file, regular_files
-from mimoc.schema.cohort_file import MOST_BYTES, MarkFile, ResultFile
+from mimoc.schema.cohort_file import MAX_BYTES, MarkFile, ResultFile
 from mimoc.studies.cohorts.job import Job
 
 MARK = "cohort.json"  # File that says that a folder is a cohort's.
@@ -83,7 +83,7 @@ class Store:
     def read(self, job: Job) -> Result | None:
         """Return the result of a job; None if it is not done, or its file is damaged, so that it is done again."""
         try:
-            file = read_json_file(self.result(job), ResultFile, MOST_BYTES, below=self.folder)
+            file = read_json_file(self.result(job), ResultFile, MAX_BYTES, below=self.folder)
         except UnusableFileError:
             return None
         if file is None or file.job != job.key:
@@ -134,7 +134,8 @@ class Store:
 
     def write_bundle(self, job: Job, bundle: Bundle) -> Path:
         """Write a bundle, without its provenance, that shares pictures and meshes with all others."""
-        folder, lean = check_unlinked(self.bundle_folder(job), below=self.folder), without(bundle, PROVENANCE)
+        folder = check_unlinked(self.bundle_folder(job), below=self.folder)
+        lean = without(bundle, PROVENANCE)
         check_unlinked(self.folder / ASSETS, below=self.folder)
         return write_bundle(lean, folder, force=True, shared=SharedFiles(self.folder / ASSETS))
 
@@ -211,7 +212,7 @@ def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
 
 
 def _job(files: RegularFiles, path: PurePosixPath) -> Job:
-    file = parse_json(files.read(path.as_posix(), MOST_BYTES) or b"", ResultFile)
+    file = parse_json(files.read(path.as_posix(), MAX_BYTES) or b"", ResultFile)
     if path != PurePosixPath(RESULTS, file.job[:2], f"{file.job}.json"):
         raise UnusableFileError("is the result of another job")
     known = {name: getattr(file, name) for name in ("cohort", "step", "seed", "options", "factors")}

@@ -6,19 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.components.senses.vision import VisionEntry, VisionSpec
 from mimoc.components.senses.vision.build import PROFILES, acuity_at
-from mimoc.components.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
 from mimoc.components.senses.vision.foveation import pixels_per_degree
-from mimoc.components.senses.vision.preview import preview
+from mimoc.components.senses.vision.preview import DEFAULT_FOVEATION, compare_ages, preview
 from mimoc.components.senses.vision.run import filters, perceive
 from mimoc.render.picture_files import tile_pictures
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.schema.names import Development
 from mimoc.studies.experiment import Experiment, Measured, Results, Table, child
 from mimoc.studies.notebook import PAGES, markdown_table, months_text
@@ -143,7 +141,8 @@ def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
         label = months_text(results[0].age_months)
         lines.append(Line((0, results[0].acuity_cpd), (1, 0), label))
         dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
-    x, y = Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"), Quantity("contrast", "Remaining contrast")
+    x = Quantity("frequency_cpd", "Spatial frequency", "cycles/degree")
+    y = Quantity("contrast", "Remaining contrast")
     return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")
 
 

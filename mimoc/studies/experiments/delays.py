@@ -11,10 +11,11 @@ from typing import Any
 from mimoc.base.quantities import Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.components.tasks.reach import ReachEntry
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiment import Experiment, Measured, Table, child
@@ -22,7 +23,7 @@ from mimoc.studies.experiments import late_reaches, learner as learning
 from mimoc.studies.experiments.late_reaches import DELAYS, DELAYS_MS, MOTOR_MS, VARIANTS
 from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, Learner, by_group, mean_and_range, movement_of
 from mimoc.studies.notebook import PAGES, Cell, Notebook, table_rows
-from mimoc.training import Episode, evaluate, load_policy
+from mimoc.training import evaluate, load_policy
 
 FAR_BALL, NEAR_BALL = {"kind": "reach", "ball": "mimo"}, {"kind": "reach", "ball": "near"}
 SETUPS: Mapping[str, Mapping[str, Any]] = {
@@ -168,7 +169,7 @@ def reaching(development: Development, delay_ms: float, setup: str = PAPER) -> B
         "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
         **SETUPS[setup],
     }
-    return pipeline.build(child("reaching", AGE_MONTHS, **keys))
+    return building.build(child("reaching", AGE_MONTHS, **keys))
 
 
 def _within_reach(learners: Sequence[Learner]) -> list[Learner]:
@@ -250,7 +251,7 @@ def _paths(found: Trained) -> Table:
     )
 
 
-def _reach_cells(reach: Episode) -> tuple[Cell, ...]:
+def _reach_cells(reach: EpisodeResult) -> tuple[Cell, ...]:
     movement = movement_of(reach)
     smoothness = (movement.units, movement.jerk, movement.arc_length, movement.path_ratio)
     return (reach.seed, float(reach.success), reach.duration_s, *smoothness)
@@ -260,7 +261,8 @@ def _smoothness_plot(groups: Groups) -> Plot:
     dots = [
         Dots([float(item.group) for item in group], list(map(UNITS, group)), label) for label, group in groups.items()
     ]
-    x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("units", "Movement units in a reach, mean")
+    x = Quantity("delay_ms", "Sensory delay", "ms")
+    y = Quantity("units", "Movement units in a reach, mean")
     return Plot(x, y, dots=tuple(dots), title="Smoothness")
 
 
@@ -274,7 +276,8 @@ def _plots(found: Trained) -> list[Plot]:
         for reach in item.reaches[:SHOWN]:
             ahead, _, up = 100 * (movement_of(reach).path_m - shoulder).T
             lines.append(Line(ahead, up, f"{item.group} ms"))
-    x, y = Quantity("ahead_cm", "In front of the shoulder", "cm"), Quantity("up_cm", "Above the shoulder", "cm")
+    x = Quantity("ahead_cm", "In front of the shoulder", "cm")
+    y = Quantity("up_cm", "Above the shoulder", "cm")
     return [curves, Plot(x, y, tuple(lines), title="Hand paths", equal=True), _smoothness_plot(found.groups)]
 
 

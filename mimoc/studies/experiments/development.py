@@ -10,24 +10,23 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, Quantity
 from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.compiler.measuring import ROOT
-from mimoc.policies.control.holding.postures import seat
+from mimoc.policies.control.postures import seat
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.picture_files import Picture, tile_pictures
-from mimoc.render.plots.plot import Line, Plot, Sheet
+from mimoc.render.plots import Line, Plot, Sheet
 from mimoc.render.soft_light import STILL
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiment import Experiment, Table
 from mimoc.studies.experiments.strength import GROUPS, Strength, strengths
 from mimoc.studies.growth_plots import AgeRow, rows_sheet
-from mimoc.studies.milestones.infant import Conditions, TrialInfant, compile_at
-from mimoc.studies.milestones.report import WINDOWS
-from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches
-from mimoc.studies.milestones.trial import Outcome, simulate
+from mimoc.studies.jobs import JobStore
+from mimoc.studies.milestones import WINDOWS
+from mimoc.studies.milestones.search import FOLDER, Case, SearchResult, run_searches
+from mimoc.studies.milestones.trial import Conditions, Outcome, TrialInfant, compile_at, simulate
 from mimoc.studies.milestones.trials import MILESTONES, TRIALS
 from mimoc.studies.notebook import PAGES, Notebook, markdown_table, table_rows
 
@@ -188,7 +187,7 @@ def measure(notebook: Notebook) -> Measures:
     results = searched(list(cases.values()))
     reached = {name: {law: results[cases[law, name]].youngest_months for law in LAWS} for name in names}
     sensitivity = _vary({name: cases["maturing", name] for name in varied}, reached, searched)
-    forget_searches(notebook.folder)
+    JobStore(notebook.folder, FOLDER, SearchResult).clear()
     return Measures(motors, rests, sitters, results, reached, sensitivity)
 
 

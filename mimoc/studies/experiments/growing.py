@@ -9,18 +9,18 @@ from statistics import fmean
 
 import numpy as np
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, Quantity
 from mimoc.bundle.io import Bundle
-from mimoc.compiler import pipeline
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.compiler import building
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_wrapper import COURSES, STAGE_MONTHS, GrowthSchedule, growth_schedule
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.studies.experiment import Experiment, Table, child
 from mimoc.studies.experiments import learner as learning
 from mimoc.studies.experiments.learner import FIRST_BALL, LIBRARIES, THOUSANDS, Learner, by_group, mean_and_range
 from mimoc.studies.notebook import PAGES, Cell, Notebook, table_rows
-from mimoc.training import Episode, evaluate, load_policy
+from mimoc.training import evaluate, load_policy
 from mimoc.training.run_folder import CHECKPOINTS
 
 AGES_MONTHS = (6.0, 12.0)  # The youngest and the oldest age of the infants that learn; all are tested at the oldest.
@@ -47,7 +47,7 @@ class Trained:
     """Trained infants, and one that moves at random, for the same balls."""
 
     learners: Sequence[Learner]
-    untrained: Sequence[Episode]
+    untrained: Sequence[EpisodeResult]
     steps: int  # Control steps of each training.
     check_balls: int
 
@@ -71,7 +71,7 @@ def reaching(age_months: float) -> Bundle:
     """Return the average child of an age, of the law `maturing`, with the task `reach`."""
     senses = {"proprioception": {"include": ["velocity", "limits", "actuation"]}, "vestibular": {}}
     task = {"kind": "reach", "steps": EPISODE_STEPS}
-    return pipeline.build(child("growing", age_months, development="maturing", senses=senses, task=task))
+    return building.build(child("growing", age_months, development="maturing", senses=senses, task=task))
 
 
 def schedule_of(course: str, seed: int, steps: int) -> GrowthSchedule:
@@ -93,7 +93,9 @@ def _learners(notebook: Notebook, bundle: Bundle, steps: int, seeds: Sequence[in
         yield Learner(course, seed, training, *_tested(notebook, bundle, notebook.folder / name))
 
 
-def _tested(notebook: Notebook, bundle: Bundle, folder: Path) -> tuple[list[Episode], Mapping[int, list[Episode]]]:
+def _tested(
+    notebook: Notebook, bundle: Bundle, folder: Path
+) -> tuple[list[EpisodeResult], Mapping[int, list[EpisodeResult]]]:
     """Return the reaches at the oldest age: after training, and for fewer balls at each checkpoint, by its steps."""
     balls, check_balls = (QUICK_BALLS, QUICK_CHECK_BALLS) if notebook.quick else (BALLS, CHECK_BALLS)
     *earlier, last = sorted((folder / CHECKPOINTS).glob("*.zip"))
@@ -103,7 +105,9 @@ def _tested(notebook: Notebook, bundle: Bundle, folder: Path) -> tuple[list[Epis
     return reaches, {**checks, int(last.stem): reaches[:check_balls]}
 
 
-def comparison(groups: Groups, untrained: Sequence[Episode], ages_months: tuple[float, float]) -> dict[str, object]:
+def comparison(
+    groups: Groups, untrained: Sequence[EpisodeResult], ages_months: tuple[float, float]
+) -> dict[str, object]:
     """Return what the page tells of results by schedule, `grown` and `adult` among them, and of what they can show."""
     youngest, oldest = ages_months
     stages = round((oldest - youngest) / STAGE_MONTHS) + 1
@@ -169,7 +173,7 @@ def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
     return "That the natural order of ages is better than another is not shown by both measures."
 
 
-def _outcome(reach: Episode) -> tuple[Cell, ...]:
+def _outcome(reach: EpisodeResult) -> tuple[Cell, ...]:
     return reach.seed, float(reach.success), reach.duration_s, reach.total_reward
 
 
@@ -223,7 +227,8 @@ TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 def _plots(found: Trained) -> Iterator[Plot]:
     groups, untrained, steps = found.groups, found.untrained, found.steps
     tested = f"at {AGES_MONTHS[1]:g} months"
-    done, firsts = np.arange(0, steps, max(1, steps // 500)), [group[0] for group in groups.values()]
+    done = np.arange(0, steps, max(1, steps // 500))
+    firsts = [group[0] for group in groups.values()]
     ages = tuple(
         Line(done / 1000, [schedule_of(item.group, item.seed, steps)(int(step)) for step in done], item.group)
         for item in firsts

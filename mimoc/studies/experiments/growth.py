@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from mimoc.fits.who import Reference
+from mimoc.fits.standards import Reference
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiment import Experiment, Table, figures_of

@@ -9,10 +9,9 @@ import numpy as np
 
 from mimoc.base.quantities import Quantity
 from mimoc.bundle.io import Bundle
-from mimoc.compiler import pipeline
-from mimoc.policies.control import GAIN_SETS
-from mimoc.policies.reach import ReachErrors, reach_errors
-from mimoc.render.plots.plot import Band, Line, Plot
+from mimoc.compiler import building
+from mimoc.policies.reach import GAIN_SETS, ReachErrors, reach_errors
+from mimoc.render.plots import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.names import Development
@@ -65,7 +64,7 @@ def reach(case: Case, seed: int) -> ReachErrors:
 def sitting(development: Development) -> Bundle:
     """Return an infant that sits with its trunk held."""
     actuation, scene = {"locked": ["trunk"]}, {"kind": "flat", "pose": "sitting", "held": ["hip"]}
-    return pipeline.build(child("reaching", AGE_MONTHS, development=development, actuation=actuation, scene=scene))
+    return building.build(child("reaching", AGE_MONTHS, development=development, actuation=actuation, scene=scene))
 
 
 def _errors(results: Results) -> tuple[FloatArray, Errors, Errors]:
@@ -88,7 +87,8 @@ def _plots(results: Results) -> list[Plot]:
 def _plot(quantity: Quantity, title: str, time_s: FloatArray, errors_by_gains: Errors) -> Plot:
     lines, bands = [], []
     for name, errors in errors_by_gains.items():
-        values, label = {how: statistic(errors) for how, statistic in STATISTICS.items()}, f"{name} gains"
+        values = {how: statistic(errors) for how, statistic in STATISTICS.items()}
+        label = f"{name} gains"
         lines.append(Line(time_s, values["mean"], label))
         bands.append(Band(time_s, values["quartile1"], values["quartile3"], label))
     return Plot(Quantity("time_s", "Time", "s"), quantity, tuple(lines), tuple(bands), title=title)

@@ -4,23 +4,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 
-from mimoc.base.quantities import QUANTITIES, Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, QUANTITIES, Quantity
 from mimoc.movement.filming import RATE_HZ, Filmed
-from mimoc.movement.joints import joint_angles
+from mimoc.movement.measured import joint_angles
 from mimoc.movement.measures import kicks_of, leg_lengths, trunk_paths
-from mimoc.movement.real_infants import real_infants
 from mimoc.movement.report import measure_all
-from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet
+from mimoc.movement.sample import real_infants
+from mimoc.render.plots import Band, Dots, Line, Plot, Sheet
 from mimoc.studies.comparison import ASSUMPTION, Reference, band_of, interval, sign_test
 from mimoc.studies.experiment import Experiment, Results, TrialResult, measures_table
 from mimoc.studies.experiments.legs import MONTHS_PER_WEEK, Mover, Setup, bundle_of, open_infant
-from mimoc.studies.notebook import PAGES, Notebook, months_text, table_rows
+from mimoc.studies.notebook import PAGES, months_text, table_rows
 
 MONTHS: Sequence[float] = (0, 1, 3, 6)
 WEEKS: Sequence[float] = (6, 12, 18)
-QUICK_MONTHS: Sequence[float] = (0, 3)
-SECONDS, QUICK_SECONDS = 40.0, 20.0
 SHOWN_SEED = 0
 SHOWN_S = 20.0  # Time in which loops of hip and knee are drawn.
 RATE, HIP_KNEE, KNEE_ANKLE, LEGS = "kicks_per_min", "kick_hip_knee_r", "kick_knee_ankle_r", "legs_together_r"
@@ -63,13 +60,6 @@ class Case:
 
     age_months: float
     seconds: float
-
-
-def cases(notebook: Notebook) -> list[Case]:
-    """Return the infants of all ages."""
-    months, weeks = (QUICK_MONTHS, ()) if notebook.quick else (MONTHS, WEEKS)
-    seconds = QUICK_SECONDS if notebook.quick else SECONDS
-    return [Case(age, seconds) for age in sorted((*months, *(week * MONTHS_PER_WEEK for week in weeks)))]
 
 
 def kicking(case: Case, seed: int) -> TrialResult:
@@ -205,9 +195,9 @@ def _change(results: Results, name: str, way: str, first: Case, second: Case) ->
 EXPERIMENT = Experiment(
     name="kicking",
     trial=kicking,
-    cases=cases,
+    cases=[Case(age, 40.0) for age in sorted((*MONTHS, *(week * MONTHS_PER_WEEK for week in WEEKS)))],
     seeds=range(20),
-    quick={"seeds": range(2)},
+    quick={"seeds": range(2), "cases": [Case(age, 20.0) for age in (0, 3)]},
     files={
         "kicks.csv": measures_table(age_months="age_months"),
         "kicks.png": _by_age,

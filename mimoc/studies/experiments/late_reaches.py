@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, Quantity
 from mimoc.base.units import ms_to_s
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.compiler.presets import motor_share
-from mimoc.policies.control import GAIN_SETS
-from mimoc.render.plots.plot import Line, Plot
+from mimoc.policies.reach import GAIN_SETS
+from mimoc.render.plots import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
@@ -91,7 +90,7 @@ def reach_with_variants(
     for variant in variants:
         for delay_ms in DELAYS_MS:
             generator = np.random.default_rng(SEED)
-            with closing(InfantEnv(pipeline.build(ataxic_infant(variant, development, delay_ms)))) as env:
+            with closing(InfantEnv(building.build(ataxic_infant(variant, development, delay_ms)))) as env:
                 how = {"gains": variant.gains, "share": variant.share}
                 same = [reach_once(env, seed, generator, most_s, **how) for seed in range(count)]
             reaches[variant, delay_ms] = same
@@ -121,7 +120,8 @@ def _plot(reaches: Reaches, name: str) -> Plot:
         if variant.name == name:
             away_cm = 100 * same[0].away_m
             lines.append(Line(same[0].step_s * np.arange(len(away_cm)), away_cm, f"{delay_ms:g} ms"))
-    x, y = Quantity("time_s", "Time since onset", "s"), Quantity("away_cm", "Hand from target", "cm")
+    x = Quantity("time_s", "Time since onset", "s")
+    y = Quantity("away_cm", "Hand from target", "cm")
     return Plot(x, y, tuple(lines), title=f"One reach, {name}")
 
 
@@ -218,7 +218,7 @@ def reach_at_ages(months: Sequence[float], count: int, most_s: float, counted: C
     for age_months in months:
         for delay in DELAYS:
             generator = np.random.default_rng(SEED)
-            with closing(InfantEnv(pipeline.build(infant_of_age(age_months, delay)))) as env:
+            with closing(InfantEnv(building.build(infant_of_age(age_months, delay)))) as env:
                 reaches = [reach_once(env, seed, generator, most_s) for seed in range(count)]
                 sensory_ms = env.manifest.delays.proprioception.ms
             groups.append(counted(Group(age_months, delay, sensory_ms, reaches)))
@@ -245,8 +245,10 @@ def infants_table(groups: Sequence[Group]) -> Table:
 
 def infants_plots(groups: Sequence[Group]) -> list[Plot]:
     """Return plots of one reach, and of movement units and straightness by age."""
-    onset, speed = Quantity("time_s", "Time since onset", "s"), Quantity("speed_m_s", "Speed of the hand", "m/s")
-    units, ratio = Quantity("movement_units", "Movement units"), Quantity("path_ratio", "Path length / distance")
+    onset = Quantity("time_s", "Time since onset", "s")
+    speed = Quantity("speed_m_s", "Speed of the hand", "m/s")
+    units = Quantity("movement_units", "Movement units")
+    ratio = Quantity("path_ratio", "Path length / distance")
     return [
         Plot(onset, speed, tuple(_speeds(groups)), title="One reach"),
         Plot(AGE, units, tuple(_by_age(groups, "movement_units")), title="Movement units"),

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.outcome import TRAINED
+from mimoc.base.quantities import TRAINED, Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
-from mimoc.render.plots.plot import Band, Line, Plot
+from mimoc.render.plots import Band, Line, Plot
+from mimoc.runtime.quantities import EpisodeResult
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiments.sensed_reaching import Movement
 from mimoc.studies.jobs import Progress
 from mimoc.studies.notebook import Cell, Notebook
-from mimoc.training import Curve, Episode, Training, train
+from mimoc.training import Curve, Training, train
 
 STEP_MS = 10.0  # Duration of a control step.
 LAST = 0.2  # Final fraction of the training over which learning is averaged.
@@ -35,8 +35,8 @@ class Learner:
     group: str  # What tells it from others: its delay in ms, or its schedule of growth.
     seed: int
     training: Training
-    reaches: list[Episode]  # Its reaches after training.
-    checks: Mapping[int, list[Episode]] = field(default_factory=dict)
+    reaches: list[EpisodeResult]  # Its reaches after training.
+    checks: Mapping[int, list[EpisodeResult]] = field(default_factory=dict)
     """Its reaches at each checkpoint, by the control steps of training; the last one included."""
 
     def last_time_s(self) -> float:
@@ -93,7 +93,7 @@ def by_group(learners: Sequence[Learner]) -> dict[str, list[Learner]]:
     return {name: [learner for learner in learners if learner.group == name] for name in names}
 
 
-def movement_of(reach: Episode) -> Movement:
+def movement_of(reach: EpisodeResult) -> Movement:
     """Return the movement of the hand in an episode in which it was tracked."""
     assert reach.path_m is not None
     return Movement(reach.path_m, reach.duration_s / reach.steps)

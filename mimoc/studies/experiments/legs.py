@@ -11,11 +11,11 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import mjcf_of, prepare
 from mimoc.bundle.variants import Variant
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.motion.labels import SIDES
 from mimoc.movement.filming import SETTLING_S, Film, Filmed
-from mimoc.policies.general_movements.generator import Moving
-from mimoc.policies.general_movements.law import LIMBS as POLICY_LIMBS
+from mimoc.policies.general_movements import Moving
+from mimoc.policies.movement_law import LIMBS as POLICY_LIMBS
 from mimoc.policies.policy import Policy, PolicyMaker, batch_of_one
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray, Observation
@@ -101,7 +101,7 @@ def bundle_of(setup: Setup) -> Bundle:
     scene = {"kind": "flat", "pose": "standing" if setup.held else "supine"}
     actuation = {"model": "muscle", "strength": {"legs": setup.strength}}
     senses = {"senses": {"touch": {}, "vestibular": {}}} if setup.feels else {}
-    return pipeline.build(child("legs", setup.age_months, scene=scene, actuation=actuation, **senses))
+    return building.build(child("legs", setup.age_months, scene=scene, actuation=actuation, **senses))
 
 
 def _add_mobile(scene: mujoco.MjSpec, side: str) -> None:
@@ -166,7 +166,7 @@ class Mover:
         film = Film()
         for _ in self.steps(SETTLING_S + seconds):
             film.watch(self.env)
-        return film.develop(self.env.manifest.name)
+        return film.to_recording(self.env.manifest.name)
 
     def steps(self, seconds: float) -> Iterator[mujoco.MjData]:
         """Yield the state after each control step of some time."""

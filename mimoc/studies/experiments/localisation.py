@@ -6,21 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.base.geometry.spherical_head import interaural_time_s
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, Quantity
 from mimoc.base.random_streams import stream
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.pipeline import build
-from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.compiler.building import build
+from mimoc.render.plots import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiment import Experiment, Results, Table, child
-from mimoc.studies.notebook import PAGES, Notebook, table_rows
+from mimoc.studies.notebook import PAGES, table_rows
 
 MONTHS: Sequence[float] = (2, 4, 6, 12, 18)
-QUICK_MONTHS: Sequence[float] = (4, 18)
-ANGLES_DEG: Sequence[float] = (0, 2, 4, 6, 8, 10, 13, 16, 20, 25, 30, 40, 50, 60, 75, 90)
-QUICK_ANGLES_DEG: Sequence[float] = (0, 5, 15, 30, 60, 90)
+ANGLES_DEG = (0, 2, 4, 6, 8, 10, 13, 16, 20, 25, 30, 40, 50, 60, 75, 90)
 PUBLISHED_DEG: Mapping[float, tuple[float, float]] = {2: (27, 27), 4: (20, 22), 6: (14, 18), 12: (8, 10), 18: (4, 6)}
 """Minimum audible angles, lowest and highest that are reported (Morrongiello 1988, Ashmead 1987, Litovsky 1997: from
 memory)."""
@@ -53,12 +50,6 @@ class Case:
 
     age_months: float
     angles_deg: tuple[float, ...]
-
-
-def cases(notebook: Notebook) -> list[Case]:
-    """Return the infant at each age."""
-    months, angles_deg = (QUICK_MONTHS, QUICK_ANGLES_DEG) if notebook.quick else (MONTHS, ANGLES_DEG)
-    return [Case(age_months, tuple(angles_deg)) for age_months in months]
 
 
 def hear(case: Case, seed: int) -> Ears:
@@ -195,7 +186,8 @@ def _numbers(results: Results) -> dict[str, object]:
 EXPERIMENT = Experiment(
     name="localisation",
     trial=hear,
-    cases=cases,
+    cases=[Case(age_months, ANGLES_DEG) for age_months in MONTHS],
+    quick={"cases": [Case(age_months, (0, 5, 15, 30, 60, 90)) for age_months in (4, 18)]},
     kept=False,
     files={
         "times.csv": lambda results: ("age_months,azimuth_deg,time_us,woodworth_us", _times(_heard(results))),

@@ -21,11 +21,11 @@ from mimoc.components.senses.vision.build import acuity_at
 from mimoc.components.senses.vision.filters import BLUE, GREEN, RED
 from mimoc.components.senses.vision.run import Vision
 from mimoc.components.senses.vision.thresholds import sensitivity_at
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.studies.experiment import Experiment, Results, Table, child, grid
-from mimoc.studies.notebook import PAGES, Notebook, markdown_table, months_text
+from mimoc.studies.notebook import PAGES, markdown_table, months_text
 
 PATCH_M, ASIDE_M = 0.125, 0.12
 """Side of a square grating, as on the Teller Acuity Cards, and where its middle is, left or right of the card's."""
@@ -114,7 +114,8 @@ class CardTrial:
     def _window(self, camera: str) -> list[FloatArray]:
         """Return where an eye sees both sides: top, bottom, left, right, as shares of the picture's height."""
         model, data = self._env.model, self._env.data
-        eye, scale = data.camera(camera), 2 * math.tan(math.radians(model.camera(camera).fovy[0]) / 2)
+        eye = data.camera(camera)
+        scale = 2 * math.tan(math.radians(model.camera(camera).fovy[0]) / 2)
         windows = []
         for side in ("plain", "grating"):
             right_m, up_m, back_m = eye.xmat.reshape(3, 3).T @ (data.geom(side).xpos - eye.xpos)
@@ -177,7 +178,6 @@ def _with_card(bundle: Bundle, distance_m: float, cycles: int) -> mujoco.MjModel
 
 
 AGES_MONTHS: Sequence[float] = (1, 3, 6, 12)
-QUICK_MONTHS: Sequence[float] = (1, 6)
 FAR_FROM_MONTHS = 6
 NEAR_M, FAR_M = 0.38, 0.84
 """Distance of the card before that age, and from it on; both are used with the Teller Acuity Cards."""
@@ -186,7 +186,7 @@ SIZE_PX = 512
 NOISE = 0.003  # Standard deviation of the noise of the decision, on each side, as a contrast.
 RIGHT = 0.75  # Share of right choices at the threshold, as is usual with two sides.
 MATURING = tuple((key, "age") for key in ("contrast", "colour", "field", "focus", "flicker"))
-PLAIN, MATURE_KEYS, USUAL, CONTRAST = "acuity alone", "all that matures", "64 x 64 pixels", "contrast"
+PLAIN, MATURE_KEYS, USUAL, CONTRAST = KINDS = "acuity alone", "all that matures", "64 x 64 pixels", "contrast"
 ACUITY_SHARES: Sequence[float] = (0.5, 0.65, 0.8, 0.88, 0.94, 0.98, 1.02, 1.06, 1.15)
 USUAL_CPD: Sequence[float] = (0.2, 0.3, 0.4, 0.44, 0.48, 0.52)
 """Frequencies for eyes of 64 x 64 pixels over 60 degrees, which hold up to .48 cycles per degree."""
@@ -219,12 +219,6 @@ class Case:
 
     age_months: float
     eyes: str  # One of the above, or `CONTRAST` for thresholds of contrast with all that matures.
-
-
-def cases(notebook: Notebook) -> list[Case]:
-    """Return infants of all ages with each kind of eyes."""
-    months = QUICK_MONTHS if notebook.quick else AGES_MONTHS
-    return grid(lambda eyes, age: Case(age, eyes), eyes=(PLAIN, MATURE_KEYS, USUAL, CONTRAST), age=months)
 
 
 def look(case: Case, seed: int) -> Any:
@@ -372,7 +366,8 @@ def _acuities(results: Results) -> Table:
 EXPERIMENT = Experiment(
     name="looking",
     trial=look,
-    cases=cases,
+    cases=grid(Case, eyes=KINDS, age_months=AGES_MONTHS),
+    quick={"cases": grid(Case, eyes=KINDS, age_months=(1, 6))},
     kept=False,
     files={
         "acuity.csv": _acuities,

@@ -10,25 +10,24 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.quantities import Quantity
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE, Quantity
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees, load_posed
+from mimoc.compiler.building import build
 from mimoc.compiler.looks.pictures import encode_palette_png
-from mimoc.compiler.pipeline import build
 from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
 from mimoc.components.senses.vision.run import bind, lens_of
 from mimoc.motion.labels import SIDES
 from mimoc.policies.rollout import Run
 from mimoc.render.picture_files import Picture, tile_pictures
-from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.render.plots import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.studies.comparison import interval
 from mimoc.studies.experiment import Experiment, Results, TrialResult, child, grid, measures_table
 from mimoc.studies.experiments.looking import WEIGHTS
-from mimoc.studies.notebook import PAGES, Notebook, table_rows
+from mimoc.studies.notebook import PAGES, table_rows
 
 BoolArray = npt.NDArray[np.bool_]
 
@@ -120,8 +119,6 @@ class Sight:
 Luminance = npt.NDArray[Any]
 
 MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6)
-QUICK_MONTHS: Sequence[float] = (0, 4)
-SECONDS, QUICK_SECONDS = 30.0, 5.0
 MOBILE: Mapping[str, Any] = {  # The object of `configs/mobile.yaml`.
     "name": "mobile",
     "kind": "mobile",
@@ -216,15 +213,6 @@ def contrasts_of(
     mean = max(float(drawn_without.mean()), 1.0)
     as_drawn, as_observed = (float(np.sqrt(np.mean(values**2))) / mean for values in changes)
     return as_drawn, as_observed
-
-
-def cases(notebook: Notebook) -> list[Case]:
-    """Return infants of all ages that only move, and that look."""
-    return grid(
-        lambda condition, age_months: Case(age_months, condition, QUICK_SECONDS if notebook.quick else SECONDS),
-        condition=POLICIES,
-        age_months=QUICK_MONTHS if notebook.quick else MONTHS,
-    )
 
 
 @cache
@@ -342,7 +330,8 @@ def _plots(results: Results) -> Iterator[Plot]:
     def curve(condition: str, name: str, label: str) -> tuple[Line, Band]:
         cases = [case for case in results.by_case if case.condition == condition]
         ends = [interval(results.values(case, name) or [0.0]) for case in cases]
-        low, high = ([max(0.0, item.low) for item in ends], [min(100.0, item.high) for item in ends])
+        low = [max(0.0, item.low) for item in ends]
+        high = [min(100.0, item.high) for item in ends]
         return Line(months, [item.mean for item in ends], label), Band(months, low, high, label)
 
     seen = [curve(name, "mobile_noticed", label) for name, label in LABELS.items()]
@@ -375,7 +364,8 @@ def _rows(results: Results) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]
     """Yield a row on the mobile and a row on hands of each case."""
     names = ("mobile_noticed", "gaze_on", "gaze_deg", "hand_noticed", "hand_regarded", "hand_near")
     for case in results.by_case:
-        what, onsets_s = (f"{case.age_months:g}", LABELS[case.condition]), results.values(case, "onset_s")
+        what = (f"{case.age_months:g}", LABELS[case.condition])
+        onsets_s = results.values(case, "onset_s")
         shares = [results.mean(case, name).text(0) for name in names]
         values = (results.values(case, name) for name in ("contrast_drawn", "contrast_observed", "hand_cm"))
         *contrasts, hand = (f"{np.mean(some):.0f}" if some else "never" for some in values)
@@ -403,9 +393,9 @@ def _answer(results: Results) -> str:
 EXPERIMENT = Experiment(
     name="regard",
     trial=watch,
-    cases=cases,
+    cases=grid(Case, condition=POLICIES, age_months=MONTHS, seconds=(30.0,)),
     seeds=range(5),
-    quick={"seeds": range(1)},
+    quick={"seeds": range(1), "cases": grid(Case, condition=POLICIES, age_months=(0, 4), seconds=(5.0,))},
     files={
         "regard.csv": measures_table(condition="condition", age_months="age_months"),
         "regard.png": _plots,

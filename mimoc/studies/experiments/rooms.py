@@ -15,11 +15,11 @@ from mimoc.compiler.building import Builder
 from mimoc.compiler.looks.pictures import encode_palette_png
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.scenes import reachable_floor
-from mimoc.compiler.toys.placing import ReachableFloor
-from mimoc.components.scenes.room.build import CLEARANCE_M
+from mimoc.compiler.toys import ReachableFloor
+from mimoc.components.scenes.room import CLEARANCE_M
 from mimoc.components.toys.builtin import BUILTIN_TOYS
 from mimoc.render.picture_files import Picture, captioned_grid
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.render.portrait import overview
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
@@ -206,12 +206,11 @@ def _plots(results: Results) -> list[Plot]:
     far = np.linspace(0, FARTHEST, 400)
     wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
     shares = np.cumsum(wide_m * reach.density(wide_m))  # Of toys on an infinite floor, within each of these.
-    x, y = Quantity("right", "To the right", "reaches"), Quantity("ahead", "Ahead", "reaches")
+    x = Quantity("right", "To the right", "reaches")
+    y = Quantity("ahead", "Ahead", "reaches")
     dots = (Dots(around[:, 0], around[:, 1], "toys"),)
-    distance, nearer = (
-        Quantity("distance", "Distance", "reaches"),
-        Quantity("nearer", "Fraction of toys within distance"),
-    )
+    distance = Quantity("distance", "Distance", "reaches")
+    nearer = Quantity("nearer", "Fraction of toys within distance")
     lines = (
         Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
         Line(far, np.interp(far * reach.radius_m, wide_m, shares / shares[-1]), "law, on an empty floor"),

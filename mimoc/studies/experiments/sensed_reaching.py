@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from mimoc.base.mujoco_layout import TIME_CONSTANT
 from mimoc.base.units import ms_to_s
-from mimoc.policies.control import GAIN_SETS
-from mimoc.policies.control.reaching import ReachController
+from mimoc.policies.reach import GAIN_SETS, ReachController
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray, Observation
 
@@ -156,11 +155,9 @@ class SensedController:
 
 def place_in_front(env: InfantEnv, generator: np.random.Generator, share: float = REACH_SHARE) -> FloatArray:
     """Return a random place in front of the right shoulder, a *share* of the arm's length away, shape (3,), [m]."""
-    shoulder_m, elbow_m, palm_m = (
-        env.data.body("right_upper_arm").xpos,
-        env.data.body("right_lower_arm").xpos,
-        env.data.body("right_hand").xipos,
-    )
+    shoulder_m = env.data.body("right_upper_arm").xpos
+    elbow_m = env.data.body("right_lower_arm").xpos
+    palm_m = env.data.body("right_hand").xipos
     arm_m = math.dist(shoulder_m, elbow_m) + math.dist(elbow_m, palm_m)
     inwards, upwards = (np.radians(generator.uniform(*ends_deg)) for ends_deg in (INWARDS_DEG, UPWARDS_DEG))
     ahead = env.data.body("chest").xmat.reshape(3, 3) @ (

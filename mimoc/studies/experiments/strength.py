@@ -17,7 +17,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler import building
 from mimoc.compiler.building import Builder
 from mimoc.compiler.measuring import compile_infant
-from mimoc.render.plots.plot import Line, Plot
+from mimoc.render.plots import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec

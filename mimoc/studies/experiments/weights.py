@@ -9,13 +9,13 @@ import numpy as np
 from mimoc.base.quantities import Quantity
 from mimoc.motion.labels import SIDES
 from mimoc.movement.filming import RATE_HZ
-from mimoc.movement.joints import joint_angles
+from mimoc.movement.measured import joint_angles
 from mimoc.movement.measures import kicks_of, leg_lengths, trunk_paths
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.studies.comparison import band_of, change_text, direction, interval, relative_changes
 from mimoc.studies.experiment import Experiment, Results, TrialResult, measures_table
-from mimoc.studies.experiments.legs import LIMBS, MONTHS_PER_WEEK, Mover, Setup, bundle_of, leg_kg, open_infant
-from mimoc.studies.experiments.steps import StepCase, stepping
+from mimoc.studies.experiments.legs import LIMBS, MONTHS_PER_WEEK, Mover, Setup, bundle_of, open_infant
+from mimoc.studies.experiments.stepping import GAIN_WEEKS, StepCase, step_cases_of, stepping
 from mimoc.studies.notebook import PAGES, Notebook, table_rows
 
 WEEKS: Sequence[float] = (6, 12, 18, 26)
@@ -26,7 +26,6 @@ GAINS: Sequence[float] = (1.0, 1.25, 1.5)
 CHANGED_WEEKS = 12
 STEP_WEEKS: Sequence[float] = (4, 8)
 QUICK_STEP_WEEKS: Sequence[float] = (4,)
-GAIN_WEEKS = 4
 SECONDS, QUICK_SECONDS = 40.0, 15.0
 STEP_SECONDS = 30.0
 LEAST = 0.1  # Least change of the range of the hip that mass alone is asked for at six weeks.
@@ -69,13 +68,6 @@ def cases(notebook: Notebook) -> list[Case | StepCase]:
     for week in step_weeks:
         tried += step_cases_of(week * MONTHS_PER_WEEK, step_seconds).values()
     return tried
-
-
-def step_cases_of(age_months: float, seconds: float) -> dict[str, StepCase]:
-    """Return how an infant of an age steps: plain, with what a leg gains in four weeks at each ankle, and in water."""
-    gain_kg = leg_kg(age_months + GAIN_WEEKS * MONTHS_PER_WEEK) - leg_kg(age_months)
-    plain = StepCase(age_months, seconds)
-    return {"plain": plain, "weights": replace(plain, weight_kg=round(gain_kg, 3)), "water": replace(plain, water=True)}
 
 
 def move(case: Case | StepCase, seed: int) -> TrialResult:

@@ -2,18 +2,18 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from queue import Queue
 from typing import Any
 
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Real
-from mimoc.studies.jobs import JobStore, Progress, process_pool
-from mimoc.studies.milestones.infant import Conditions, compile_once
-from mimoc.studies.milestones.trial import Outcome, try_out
+from mimoc.studies.jobs import JobStore, Progress, Worker, workers
+from mimoc.studies.milestones.trial import Conditions, Outcome, compile_once, try_out
 from mimoc.studies.milestones.trials import trial_called
 
 AGES: Sequence[float] = [half / 2 for half in range(49)]
@@ -32,12 +32,13 @@ AttemptAt = Callable[[str, Conditions, str, float], Outcome]
 """Returns the outcome for a spec in JSON, conditions, the name of a trial, and an age in months."""
 
 
-@dataclass(frozen=True)
-class SearchResult:
+class SearchResult(Model):
     """The result of a search for one trial."""
 
-    youngest_months: float | None  # The youngest age from which on all tried ages succeed; None if the oldest fails.
-    outcomes: Mapping[float, Outcome] = field(default_factory=dict)  # Outcome by tried age.
+    youngest_months: Real | None
+    """The youngest age from which on all tried ages succeed; None if the oldest fails."""
+    outcomes: Mapping[Real, Outcome] = {}
+    """Outcome by tried age."""
 
     @property
     def at_birth(self) -> bool:
@@ -71,7 +72,7 @@ def search_downwards(ages: Sequence[float], run: Try) -> SearchResult:
             youngest = age
     if descending[-1] not in outcomes:
         succeeds(descending[-1])
-    return SearchResult(youngest, dict(sorted(outcomes.items())))
+    return SearchResult(youngest_months=youngest, outcomes=dict(sorted(outcomes.items())))
 
 
 def walk(ages: Sequence[float], near_months: float, run: Try) -> SearchResult:
@@ -86,8 +87,8 @@ def walk(ages: Sequence[float], near_months: float, run: Try) -> SearchResult:
         outcomes[age] = run(age)
         if outcomes[age].success is wanted:
             break
-    succeeded = [age for age, outcome in outcomes.items() if outcome.success]
-    return SearchResult(min(succeeded, default=None), dict(sorted(outcomes.items())))
+    youngest = min((age for age, outcome in outcomes.items() if outcome.success), default=None)
+    return SearchResult(youngest_months=youngest, outcomes=dict(sorted(outcomes.items())))
 
 
 EXPECTED_MONTHS: Mapping[str, float] = {
@@ -112,7 +113,7 @@ def search_near(spec: InfantSpec, conditions: Conditions, name: str) -> SearchRe
     """Return what is found for a trial near the age at which a child of this rate of maturation is expected to succeed.
 
     It walks down the half months while the child succeeds, or up until it does: two ages or a few, instead of the
-    twenty and more of `search`.
+    twenty and more of `search_trials`.
     """
     individual = spec.body.individual
     expected = EXPECTED_MONTHS[name] / ((individual and individual.maturation_rate) or 1.0) + spec.months_early
@@ -134,7 +135,7 @@ class Case:
     spec: str = ""  # The child, in JSON; empty for the average child that follows the law of development.
 
 
-def search(
+def search_trials(
     spec: InfantSpec,
     conditions: Conditions,
     names: Sequence[str],
@@ -161,10 +162,17 @@ def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[int, Sear
         for place, case in enumerate(cases):
             yield place, _search(case, _try_at)
         return
-    with ThreadPoolExecutor(len(cases) or 1) as threads, process_pool(processes) as pool:
+    with workers(processes) as made, ThreadPoolExecutor(len(cases) or 1) as threads:
+        idle = Queue[Worker]()
+        for worker in made:
+            idle.put(worker)
 
         def attempt(*arguments: Any) -> Outcome:
-            return pool.submit(_try_at, *arguments).result()
+            worker = idle.get()
+            worker.begin(_try_at, *arguments)
+            outcome = worker.finish()
+            idle.put(worker)
+            return outcome
 
         running = {threads.submit(_search, case, attempt): place for place, case in enumerate(cases)}
         for future in as_completed(running):
@@ -187,33 +195,14 @@ def _try_at(spec: str, conditions: Conditions, name: str, age_months: float) -> 
 FOLDER = "searches"  # Where finished searches are kept until all of them are.
 
 
-class _KeptSearch(Model):
-    """What the file of a search contains."""
-
-    youngest_months: Real | None
-    tried: tuple[tuple[Real, Outcome], ...]
-    """Ages in months, and what came of them."""
-
-
 def run_searches(
     cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[int], Any]
 ) -> Mapping[Case, SearchResult]:
-    """Return what is found in each case, or was by the same software in this folder, where each result is kept."""
+    """Return what is found in each case, or was by the same software in this folder, where each result is kept.
 
-    def search(places: Sequence[int]) -> Iterator[tuple[int, _KeptSearch]]:
-        for index, result in _searched([cases[place] for place in places], processes):
-            yield index, _KeptSearch(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
-
+    *finished* is called with the place of each case that has a result.
+    """
     keys = [(f"{case.development}-{case.trial}", asdict(case)) for case in cases]
-    kept = _store(folder).complete(keys, search, finished)
-    results = [SearchResult(search.youngest_months, dict(search.tried)) for search in kept]
+    store = JobStore(folder, FOLDER, SearchResult)
+    results = store.complete(keys, lambda places: _searched([cases[place] for place in places], processes), finished)
     return dict(zip(cases, results, strict=True))
-
-
-def forget_searches(folder: Path) -> None:
-    """Remove the results of an experiment that has ended, so that the next one begins anew."""
-    _store(folder).clear()
-
-
-def _store(folder: Path) -> JobStore[_KeptSearch]:
-    return JobStore(folder, FOLDER, _KeptSearch)

@@ -11,10 +11,9 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from mimoc.policies.control.holding.postures import (
+from mimoc.policies.control.postures import (
     FEET,
     SEAT,
-    SIDES,
     SUPPORTS,
     drooped,
     elevation_deg,
@@ -27,8 +26,8 @@ from mimoc.policies.control.holding.postures import (
     stance,
 )
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.milestones.infant import TrialInfant
-from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial
+from mimoc.schema.names import SIDES
+from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial, TrialInfant
 
 STANDING_S = 10.0
 KNEES_DEG = (0.0, -20.0, -40.0)

@@ -16,9 +16,8 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.measuring import infant_files
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.milestones.infant import TrialInfant, in_trial
-from mimoc.studies.movement.drive import has_joint, run
-from mimoc.studies.movement.trial import MovementTrial, Subject, Values
+from mimoc.studies.milestones.trial import TrialInfant, in_trial
+from mimoc.studies.movement.trial import MovementTrial, Subject, Values, has_joint, run
 
 HAND, ROD = "left_hand", "rod"
 KNUCKLES = {"left_fingers": 0.72, "left_mf_knuckle": 0.5}

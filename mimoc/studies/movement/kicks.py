@@ -12,9 +12,18 @@ from mimoc.base.quantities import Quantity
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.compiler.measuring import ROOT
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.milestones.infant import TrialInfant
-from mimoc.studies.movement.drive import again, all_but, angle_deg, driven, has_joint, settled
-from mimoc.studies.movement.trial import MovementTrial, Subject, Values
+from mimoc.studies.milestones.trial import TrialInfant
+from mimoc.studies.movement.trial import (
+    MovementTrial,
+    Subject,
+    Values,
+    again,
+    all_but,
+    angle_deg,
+    driven,
+    has_joint,
+    settled,
+)
 
 KICK_S = 0.35  # How long the hip is driven: kicks of real infants last .23 to .33 s.
 ENOUGH_DEG = 50.0  # Excursion of the hip that counts as a kick.
@@ -229,7 +238,8 @@ def _weighted(subject: Subject) -> Values:
     share = usual_share(infant, start)
     plain = np.array([excursions(infant, start, share, seed) for seed in range(SEEDS)])
     changed = np.array([excursions(heavy, loaded, share, seed) for seed in range(SEEDS)])
-    changes, less = changed.mean(axis=0) / plain.mean(axis=0) - 1.0, (changed < plain).mean(axis=0)
+    changes = changed.mean(axis=0) / plain.mean(axis=0) - 1.0
+    less = (changed < plain).mean(axis=0)
     return {
         "leg_kick_deg": float(plain[:, 0].mean()),
         "leg_weight_change": float(changes[0]),

@@ -10,11 +10,10 @@ import mujoco
 import numpy as np
 
 from mimoc.base.quantities import Quantity
-from mimoc.policies.control.holding.postures import elevation_deg
+from mimoc.policies.control.postures import elevation_deg
 from mimoc.runtime.sense import FloatArray, IntArray
-from mimoc.studies.milestones.infant import TrialInfant
-from mimoc.studies.movement.drive import Drive, again, settled
-from mimoc.studies.movement.trial import MovementTrial, Subject, Values
+from mimoc.studies.milestones.trial import TrialInfant
+from mimoc.studies.movement.trial import Drive, MovementTrial, Subject, Values, again, settled
 
 POSTURES, POSTURE_S, MOVING_S = 3, 1.0, 0.4
 """How many postures follow one another, how long each is asked for, and how long the target takes to get to it."""

@@ -9,14 +9,13 @@ from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError
 from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import LOCK, Bundle
-from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
-from mimoc.compiler.pipeline import build
+from mimoc.compiler.building import build
 from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.compiler.worlds import world_of
 from mimoc.recording.description import RECORDING
 from mimoc.recording.folder import read_infant
 from mimoc.schema.counterparts import counterpart
-from mimoc.schema.infant import InfantSpec
+from mimoc.schema.infant import SPEC_SUFFIXES, InfantSpec, load_spec
 from mimoc.studies.jobs import Progress
 from mimoc.studies.reporting.page import render
 
@@ -71,7 +70,7 @@ def report(
     world = world_of(source) if kind is None and cohort is None else None
     others = {beside: build(counterpart(_spec(source), beside))} if beside and not world else {}
     if world:
-        from mimoc.studies.reporting.world import world_page
+        from mimoc.studies.reporting.infant import world_page
 
         page = world_page(world, show, check=check, counterpart=beside)
     elif folder and kind == COHORT:

@@ -10,21 +10,19 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.errors import MimocError
-from mimoc.base.quantities import Quantity, quantity_of
-from mimoc.base.quantities.child import HEAD, LENGTH, WEIGHT
+from mimoc.base.quantities import HEAD, LENGTH, WEIGHT, Quantity, quantity_of
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
-from mimoc.render.plots.drawing import Drawing, around, draw_svg, label, ticks
-from mimoc.render.plots.plot import Dots, Line, Plot, Ticks
+from mimoc.render.drawing import Drawing, around, draw_svg, label, ticks
+from mimoc.render.plots import Dots, Line, Plot, Ticks
 from mimoc.studies.cohorts.cohort import Cohort, Failure, Status, status_of
 from mimoc.studies.cohorts.job import Job
 from mimoc.studies.cohorts.store import Store, finished_jobs
 from mimoc.studies.cohorts.table import Cell as TableCell, Rows, rows_of
 from mimoc.studies.jobs import Progress
 from mimoc.studies.reporting import words
+from mimoc.studies.reporting.body import Silhouette, silhouette
 from mimoc.studies.reporting.page import Block, Cell, Details, Drawings, Page, Section, TextBlock, number, table
-from mimoc.studies.reporting.silhouette import Silhouette, silhouette
-from mimoc.version import __version__
 
 MAX_FACTORS = 6  # Factors that each measure is drawn by.
 MAX_PLOTS = 80
@@ -60,7 +58,6 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
         title=words.sentence(words.name(jobs[0].cohort if jobs else folder.name)),
         lead=(f"{summary}.",),
         sections=tuple(section for section in sections if section),
-        made_by=f"Made by mimoc {__version__}.",
     )
 
 

@@ -7,7 +7,8 @@ from typing import ClassVar, TypeAlias
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from mimoc.compiler.mjcf.printing import TEMPLATES
-from mimoc.render.plots.drawing import Drawing
+from mimoc.render.drawing import Drawing
+from mimoc.version import __version__
 
 _HTML = Environment(
     loader=FileSystemLoader(TEMPLATES),
@@ -132,8 +133,8 @@ class Page:
     title: str
     lead: tuple[str, ...]  # Paragraphs below the title.
     sections: tuple[Section, ...]
-    made_by: str  # The last line.
     pictures: tuple[Picture, ...] = ()  # Beside the title.
+    made_by: str = f"Made by mimoc {__version__}."  # The last line.
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[Cell]]) -> Table:

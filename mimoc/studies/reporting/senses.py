@@ -7,7 +7,7 @@ import mujoco
 
 from mimoc.base.errors import RenderingError
 from mimoc.bundle.io import Bundle
-from mimoc.runtime.senses import bind_sense
+from mimoc.runtime.sense import bind_sense
 from mimoc.schema.kinds import SENSES
 from mimoc.schema.senses import MOTOR, noise_keys
 from mimoc.studies.reporting import words

@@ -5,20 +5,27 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from mimoc.base.quantities import Quantity, outcome
-from mimoc.bundle.model import load_model
+from mimoc.base.quantities import (
+    CURVE,
+    LEARNING,
+    RETURN,
+    SO_FAR,
+    SUCCESS,
+    TIME_TO_SUCCESS,
+    TRAINED,
+    UNFINISHED,
+    UNFINISHED_RETURN,
+    Quantity,
+)
 from mimoc.bundle.world import WorldBundle
-from mimoc.render.plots.drawing import draw_svg
-from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.drawing import draw_svg
+from mimoc.render.plots import Dots, Line, Plot
 from mimoc.studies.reporting import page, words
-from mimoc.studies.reporting.infant import infant_sections, introduce
+from mimoc.studies.reporting.infant import infant_section, infant_sections, introduce, introduce_world
 from mimoc.studies.reporting.page import Cell, Code, Details, Drawings, Section, TextBlock, Tile, Tiles, number, table
-from mimoc.studies.reporting.sources import Sources
-from mimoc.studies.reporting.world import infant_section, introduce_world
 from mimoc.training.curve import Curve
 from mimoc.training.run_folder import RunFile, read_run_bundle, read_training_run
 from mimoc.training.settings import hyperparameters_of
-from mimoc.version import __version__
 
 NAMES = {
     "algo": "learning algorithm",
@@ -28,7 +35,7 @@ NAMES = {
     "steps_per_episode": "most control steps of an episode",
     "checkpoint_every": "control steps between checkpoints",
 }
-TILES = (outcome.SUCCESS, outcome.TIME_TO_SUCCESS, outcome.RETURN)
+TILES = (SUCCESS, TIME_TO_SUCCESS, RETURN)
 MAX_DOTTED_ROWS = 60  # Number of rows up to which each is drawn as a dot.
 CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
 UNFINISHED_NOTE = (
@@ -42,11 +49,10 @@ def training_page(folder: Path) -> page.Page:
     run, curve = read_training_run(folder)
     bundle = read_run_bundle(folder)
     if isinstance(bundle, WorldBundle):
-        of_infants = tuple(infant_section(name, infant) for name, infant in bundle.infants.items())
+        of_infants = [infant_section(name, infant) for name, infant in bundle.infants.items()]
         lead, pictures = introduce_world(bundle)
     else:
-        sources = Sources(bundle)
-        of_infants = (*infant_sections(bundle, load_model(bundle), sources), sources.section())
+        of_infants = infant_sections(bundle, with_proportions=False)
         lead, pictures = introduce(bundle)
     done, wanted = curve.steps, run.settings.steps
     state = "It is finished" if done >= wanted else f"{100 * done / wanted:.0f} % of what was asked for"
@@ -55,7 +61,6 @@ def training_page(folder: Path) -> page.Page:
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
         lead=(f"Trained for {done:,} control steps. {state}.", *lead),
         sections=(_curves(curve), _settings(run), *of_infants),
-        made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
     )
 
@@ -63,11 +68,11 @@ def training_page(folder: Path) -> page.Page:
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
         return Section("curves", "Learning", (TextBlock(NO_CURVE, "note"),))
-    known = [item for item in outcome.LEARNING if _points(curve, item) or _points(curve, outcome.SO_FAR.get(item))]
+    known = [item for item in LEARNING if _points(curve, item) or _points(curve, SO_FAR.get(item))]
     drawn = tuple(draw_svg(_plot(curve, quantity)) for quantity in known)
-    caption = CAPTION + (UNFINISHED_NOTE if _points(curve, outcome.UNFINISHED_RETURN) else "")
+    caption = CAPTION + (UNFINISHED_NOTE if _points(curve, UNFINISHED_RETURN) else "")
     rows = []
-    for quantity in outcome.CURVE:
+    for quantity in CURVE:
         ends = [getattr(row, quantity.curve) for row in curve.ends]
         figures = [f"{value:,}" if isinstance(value, int) else words.figure(value) for value in ends]
         rows.append((Cell(quantity.title), *map(number, figures)))
@@ -78,7 +83,7 @@ def _curves(curve: Curve) -> Section:
 def _tiles(curve: Curve) -> Iterator[Tile]:
     first, last = curve.ends
     for quantity in TILES:
-        unit, scale = ("%", 100) if quantity is outcome.SUCCESS else (quantity.unit, 1)
+        unit, scale = ("%", 100) if quantity is SUCCESS else (quantity.unit, 1)
         before, after = (scale * float(getattr(row, quantity.curve)) for row in (first, last))
         then = f"{words.figure(before)} {unit}".rstrip()
         since = f"; {then} at the start" if isfinite(before) else ""
@@ -86,11 +91,11 @@ def _tiles(curve: Curve) -> Iterator[Tile]:
         yield Tile(quantity.label, value, f"at the end{since}.")
     if not last.episodes:
         so_far = f"{words.figure(last.unfinished_return)} so far"
-        yield Tile(outcome.UNFINISHED.label, so_far, f"return of {last.unfinished}; no episode has ended.")
+        yield Tile(UNFINISHED.label, so_far, f"return of {last.unfinished}; no episode has ended.")
 
 
 def _plot(curve: Curve, quantity: Quantity) -> Plot:
-    known, so_far = _points(curve, quantity), _points(curve, outcome.SO_FAR.get(quantity))
+    known, so_far = _points(curve, quantity), _points(curve, SO_FAR.get(quantity))
     last = float(max(curve.steps, 1))
     about = f"{quantity.title} by control steps of training"
     if known:
@@ -104,7 +109,7 @@ def _plot(curve: Curve, quantity: Quantity) -> Plot:
             titles = tuple(f"{x:,.0f} steps: {words.figure(y)}{ending}" for x, y in points)
             dots.append(Dots(steps, values, "", of_dots, titles))
     return Plot(
-        x=outcome.TRAINED,
+        x=TRAINED,
         y=quantity,
         lines=tuple(lines),
         dots=tuple(dots),

@@ -2,7 +2,7 @@
 
 import math
 
-from mimoc.render.plots.drawing import MINUS
+from mimoc.render.drawing import MINUS
 
 THIN_SPACE, TIMES, NOTHING = "\u202f", "\u00d7", "\u2013"
 FEW, MANY = 3.0, 97.0  # Percentiles between which WHO's charts draw the usual range.

@@ -1,9 +1,9 @@
-"""A search for a movement by which an infant has a skill: the cross-entropy method over a few postures.
+"""How an infant comes to have a skill: a search for a movement over a few postures, or trainings on a device.
 
-Vectors are drawn around a mean; the best ones so far move it, and narrow what is drawn next. A round has one start. At
-first, what is kept may have been lucky in its start, which leads on to what is rare; later, it is tried again in the
-start of each round, and stays only if it is good in most. In the end, the kept ones and the mean are told apart in
-more starts, by successive halving:
+The search is the cross-entropy method. Vectors are drawn around a mean; the best ones so far move it, and narrow what
+is drawn next. A round has one start. At first, what is kept may have been lucky in its start, which leads on to what is
+rare; later, it is tried again in the start of each round, and stays only if it is good in most. In the end, the kept
+ones and the mean are told apart in more starts, by successive halving:
 
     rounds of 40 tries, 1,440 of 1,600    first half: 40 draws    second half: 32 draws, and the 8 that were kept
     checks, the other 160                 9 candidates in 4 starts each, 5 in 8 more, 3 in 13 more, 2 in 20 more
@@ -18,18 +18,25 @@ What no draw does may still be possible: a search that finds nothing says so muc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mimoc.base.errors import SpecError
-from mimoc.policies.postures import PosturePolicy, Postures, mirrored
+from mimoc.compiler import building
 from mimoc.policies.rollout import rollout
+from mimoc.policies.skill import PosturePolicy, Postures, mirrored
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.opening.environments import open_infant
+from mimoc.runtime.opening import open_infant
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.jobs import Progress, run_jobs
+
+if TYPE_CHECKING:
+    from mimoc.training import Training
+    from mimoc.training.trainer import TrainingJob
 
 TRUNK = ("hip_bend1", "hip_lean1", "hip_rot1")
 LIMBS = ("shoulder_horizontal", "shoulder_ad_ab", "elbow", "hip1", "hip2", "knee")
@@ -136,7 +143,7 @@ FIRST_TRY, FIRST_CHECK = 1_000_000, 500_000
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SearchOutcome:
     """The result of a search."""
 
     movement: Postures
@@ -199,7 +206,7 @@ class Searcher:
 
 def search(
     env: InfantEnv, seed: int, tries: int = 1000, starts: int = 20, progress: Callable[[int], None] = lambda tried: None
-) -> Outcome:
+) -> SearchOutcome:
     """Return the best movement that a search finds for a task, measured in *starts* that it has not seen.
 
     There are at most as many tries as asked for, in rounds and in checks of the best; one round at least.
@@ -225,7 +232,7 @@ def search(
     best, checked = best_of(searcher, [Candidate(mean), *kept], first + FIRST_CHECK, checks)
     movement = searcher.form.movement(best.vector)
     success = searcher.success(movement, FIRST_TEST, starts)
-    return Outcome(movement, success, tried + checked, tuple(curve))
+    return SearchOutcome(movement, success, tried + checked, tuple(curve))
 
 
 def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tries: int) -> tuple[Candidate, int]:
@@ -246,7 +253,7 @@ def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tri
     return left[0], tried
 
 
-class Attempt(Model):
+class SkillSearch(Model):
     """One search at one age."""
 
     age_months: float
@@ -281,7 +288,7 @@ Job = tuple[InfantSpec, int]  # The infant that is to learn a skill, and the see
 
 def searches(
     jobs: Sequence[Job], progress: Progress, tries: int, starts: int, processes: int
-) -> Iterator[tuple[int, Attempt]]:
+) -> Iterator[tuple[int, SkillSearch]]:
     """Search for movements in processes side by side; progress is in searches."""
     progress(0, len(jobs))
     done = run_jobs(searched, [(*job, tries, starts) for job in jobs], processes)
@@ -290,9 +297,9 @@ def searches(
         progress(count, len(jobs))
 
 
-def searched(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
+def searched(spec: InfantSpec, seed: int, tries: int, starts: int) -> SkillSearch:
     """Return what comes of one search."""
-    attempt = partial(Attempt, age_months=spec.age_months, seed=seed, starts=starts)
+    attempt = partial(SkillSearch, age_months=spec.age_months, seed=seed, starts=starts)
     try:
         env = open_infant(spec)
     except SpecError as error:
@@ -302,3 +309,69 @@ def searched(spec: InfantSpec, seed: int, tries: int, starts: int) -> Attempt:
     recipe = {"learner": "cross-entropy search", "seed": float(seed), "success": outcome.success}
     movement = outcome.movement.model_copy(update={"recipe": {**recipe, "tried": float(outcome.tried)}})
     return attempt(success=outcome.success, tried=outcome.tried, curve=outcome.curve, movement=movement)
+
+
+HYPER = {"gamma": 0.99}
+"""What a skill needs, which takes seconds: rewards of a second from now count .6 of those of now, with control steps of
+20 ms. Usual for learning to walk on a GPU, as in Isaac Lab."""
+HELPED = ("sit", "pull_to_stand", "stand", "cruise", "walk")
+SUPPORT = 0.6
+"""Skills in which infants that learn are carried by a share of their weight, and its largest value; the share is drawn
+for each episode, from 0 on, so that many episodes are as those in which the policy is measured, without help."""
+
+
+def trainings(
+    jobs: Sequence[Job],
+    progress: Progress,
+    steps: int,
+    starts: int,
+    device: str,
+    envs: int,
+    out: Path,
+    processes: int,
+) -> Iterator[tuple[int, SkillSearch]]:
+    """Train policies for infants with seeds on a device side by side; yield the place of each and what came of it."""
+    from mimoc.training.trainer import TrainingJob, train_together  # Needs what not everyone has.
+
+    wanted, names = dict[int, "TrainingJob"](), dict[int, str]()
+    for place, (spec, seed) in enumerate(jobs):
+        try:
+            infant = building.compiled(while_learning(spec))
+        except SpecError as error:
+            attempt = SkillSearch(age_months=spec.age_months, seed=seed, success=0.0, starts=starts)
+            yield place, attempt.model_copy(update={"problem": problem_of(error)})
+            continue
+        names[place] = f"trainings/{spec.age_months:g}_months_{seed}"
+        wanted[place] = TrainingJob(infant, out / names[place], seed)
+    if not wanted:
+        return
+    made = train_together(list(wanted.values()), device, steps=steps, envs=envs, hyper=HYPER, progress=progress)
+    places = list(wanted)
+    measured = [(*jobs[place], names[place], training, starts) for place, training in zip(places, made, strict=True)]
+    yield from ((places[index], attempt) for index, attempt in run_jobs(_measured, measured, processes))
+
+
+def while_learning(spec: InfantSpec) -> InfantSpec:
+    """Return an infant that is helped while it learns, unless its task says how."""
+    task = spec.task
+    if task is None or task.kind not in HELPED or "support" in task.model_fields_set:
+        return spec
+    return spec.with_(task={**task.model_dump(exclude_unset=True), "support": SUPPORT})
+
+
+def _measured(spec: InfantSpec, seed: int, name: str, training: "Training", starts: int) -> SkillSearch:
+    from mimoc.training import evaluate, load_policy
+
+    env = open_infant(spec)
+    episodes = evaluate(env, load_policy(training.policy), episodes=starts, seed=FIRST_TEST)
+    env.close()
+    return SkillSearch(
+        age_months=spec.age_months,
+        seed=seed,
+        success=sum(episode.success for episode in episodes) / starts,
+        starts=starts,
+        tried=training.curve.steps,
+        curve=tuple(np.nan_to_num(training.curve.column("success_rate")).round(4).tolist()),
+        policy=f"{name}/policy.zip",
+        success_on_device=training.use.success if training.use else None,
+    )

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 from mimoc.base.geometry.adult import SIDES, SIGNS, Adult, Palm, neck, reach
 from mimoc.base.geometry.reach import UP, lean
 from mimoc.base.geometry.rotations import direction, matrix_from_axis
-from mimoc.components.companions.caregiver.run_body import PEAK, HandPath, minimum_jerk, turn_between, turned
+from mimoc.components.companions.body import PEAK, HandPath, minimum_jerk, turn_between, turned
 
 angles = st.floats(-math.pi, math.pi)
 places = st.tuples(*[st.floats(-1.0, 1.0)] * 3)

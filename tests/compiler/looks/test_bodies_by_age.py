@@ -10,10 +10,9 @@ from support.posed_skins import edges_of, lengths, posed, random_frames
 from support.skin_bodies import child
 
 from mimoc.body.kinematics import frames
-from mimoc.compiler.looks.skin.deformation import skin_of
-from mimoc.compiler.looks.skin.garments import BARE
-from mimoc.compiler.looks.skin.template_mesh import template_mesh
-from mimoc.compiler.mjcf.skin import SkinLayer
+from mimoc.compiler.looks.sculpture import BARE, template_mesh
+from mimoc.compiler.looks.skin import skin_of
+from mimoc.compiler.mjcf.scene import SkinLayer
 
 HANDS = ("mitten", "five_finger")
 BENT_DEG = 120.0

@@ -10,10 +10,9 @@ from scipy.spatial import cKDTree
 from support.posed_skins import crossings, edges_of, posed, random_frames
 from support.skin_bodies import child
 
-from mimoc.compiler.looks.skin.deformation import skin_of
-from mimoc.compiler.looks.skin.garments import BARE, OUTFITS, dressed
-from mimoc.compiler.looks.skin.template_mesh import template_mesh
-from mimoc.compiler.mjcf.skin import SkinLayer, encode_skn
+from mimoc.compiler.looks.sculpture import BARE, OUTFITS, dressed, template_mesh
+from mimoc.compiler.looks.skin import skin_of
+from mimoc.compiler.mjcf.scene import SkinLayer, encode_skn
 
 HANDS = ("mitten", "five_finger")
 WORN = [outfit for outfit in OUTFITS if outfit != BARE]

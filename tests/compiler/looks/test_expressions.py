@@ -11,9 +11,9 @@ from support.skin_bodies import child
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.base.geometry.meshes import STEP_M
-from mimoc.bundle.face import MOVING, array_of
-from mimoc.compiler.looks.skin.head import deform_head
-from mimoc.compiler.looks.skin.template_mesh import template_mesh
+from mimoc.bundle.variants import MOVING, array_of
+from mimoc.compiler.looks.head import deform_head
+from mimoc.compiler.looks.sculpture import template_mesh
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.body import ADULT_EXPRESSIONS, EXPRESSIONS
 

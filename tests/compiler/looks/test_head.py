@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from support.skin_bodies import child
 
-from mimoc.compiler.looks.skin.deformation import skin_of
-from mimoc.compiler.looks.skin.head import BARE, CLEAR, GROWTH, deform_head, density, growth_at
-from mimoc.compiler.looks.skin.template_mesh import template_mesh
+from mimoc.compiler.looks.head import BARE, CLEAR, GROWTH, deform_head, density, growth_at
+from mimoc.compiler.looks.sculpture import template_mesh
+from mimoc.compiler.looks.skin import skin_of
 
 AGES_MONTHS = (0, 3, 6, 12, 24)
 RIM = 1.12  # The rims of the lids are within so many radii of an eyeball.

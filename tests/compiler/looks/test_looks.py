@@ -40,7 +40,7 @@ from mimoc.compiler.looks.pictures import (
     read_picture,
     with_palette,
 )
-from mimoc.compiler.mjcf.furniture import Appearance
+from mimoc.compiler.mjcf.elements import Appearance
 from mimoc.compiler.variants import SpecVariants, at_age
 from mimoc.render.portrait import row_of
 from mimoc.schema import InfantSpec, LooksSpec
@@ -230,7 +230,7 @@ def test_infants_of_a_world_have_their_looks_and_share_pictures_that_are_equal(w
 
 def test_infants_in_a_row_have_their_looks():
     bundles = [mimoc.build(spec(looks={"skin": tone})) for tone in ("dark", "light")]
-    model, *_ = row_of(bundles, None)
+    model = row_of(bundles, None).data.model
     first, second = (_picture(model, f"{number}: skin_body") for number in (0, 1))
     assert first.mean() < 0.6 * second.mean()
 

@@ -14,17 +14,14 @@ from hypothesis import given, settings
 from support.posed_skins import edges_of, lengths, posed
 from support.skin_bodies import child, children
 
+from mimoc.base.arrays import read_arrays, together
 from mimoc.base.errors import DataError, GeometryError
-from mimoc.base.geometry.arrays import read_arrays, together
 from mimoc.body.kinematics import frames_in_world, pose
 from mimoc.body.poses import POSES, poses_of, resting_state
-from mimoc.body.surface import head_radius
-from mimoc.compiler.looks.skin import deformation
-from mimoc.compiler.looks.skin.deformation import layers_of, skin_of
-from mimoc.compiler.looks.skin.garments import BARE
-from mimoc.compiler.looks.skin.surface_distance import surface_distance
-from mimoc.compiler.looks.skin.template_mesh import FOLDER, assembled, template_mesh
-from mimoc.compiler.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
+from mimoc.body.tree import head_radius
+from mimoc.compiler.looks.sculpture import BARE, FOLDER, assembled, template_mesh
+from mimoc.compiler.looks.skin import layers_of, skin_of, surface_distance
+from mimoc.compiler.mjcf.scene import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
 BELOW_FLOOR_M = 0.002  # How far skin may be below the floor that the solids rest on, or above it where it rests.
@@ -105,7 +102,7 @@ def test_solids_of_the_skin_are_those_of_the_child_that_it_was_sculpted_on(hands
 def test_skin_follows_the_solids_of_each_child(age_months, individual, monkeypatch):
     tree, sculpted = child(age_months, individual={"sex": "female", **individual}), template_mesh("mitten")
     fitted_m = heights_off_m(tree, sculpted)
-    monkeypatch.setattr(deformation, "ROUNDS", 0)
+    monkeypatch.setattr("mimoc.compiler.looks.skin.ROUNDS", 0)
     assert fitted_m < 0.7 * heights_off_m(tree, sculpted)
 
 

@@ -35,17 +35,17 @@ ROOT = Path(__file__).parents[3]
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
 DIFFERENT = [path for path in CONFIGS if path.stem in ("all_senses", "five_finger", "muscle", "one_arm", "reach")]
 """Those that have, between them, whatever MIMo's code looks up."""
-OBJECTS = {
-    "joint": mujoco.mjtObj.mjOBJ_JOINT,
-    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
-    "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
-    "equality": mujoco.mjtObj.mjOBJ_EQUALITY,
-    "body": mujoco.mjtObj.mjOBJ_BODY,
-    "geom": mujoco.mjtObj.mjOBJ_GEOM,
-    "texture": mujoco.mjtObj.mjOBJ_TEXTURE,
-    "camera": mujoco.mjtObj.mjOBJ_CAMERA,
-    "material": mujoco.mjtObj.mjOBJ_MATERIAL,
-    "site": mujoco.mjtObj.mjOBJ_SITE,
+COUNTS = {  # How many objects of each kind a model has.
+    "joint": "njnt",
+    "actuator": "nu",
+    "sensor": "nsensor",
+    "equality": "neq",
+    "body": "nbody",
+    "geom": "ngeom",
+    "texture": "ntex",
+    "camera": "ncam",
+    "material": "nmat",
+    "site": "nsite",
 }
 
 
@@ -55,11 +55,7 @@ def spec(**keys) -> mimoc.InfantSpec:
 
 def names(model: mujoco.MjModel, kind: str) -> list[str]:
     """Return the names of all objects of a kind, in the order of the model; those without one are left out."""
-    count = {"sensor": model.nsensor, "actuator": model.nu, "equality": model.neq, "texture": model.ntex}
-    sizes = {**count, "joint": model.njnt, "body": model.nbody, "camera": model.ncam, "material": model.nmat}
-    sizes["geom"] = model.ngeom
-    found = (mujoco.mj_id2name(model, OBJECTS[kind], i) for i in range({**sizes, "site": model.nsite}[kind]))
-    return [name for name in found if name]
+    return [name for index in range(getattr(model, COUNTS[kind])) if (name := getattr(model, kind)(index).name)]
 
 
 def looked_up(hands: str) -> dict[str, list[str]]:
@@ -135,17 +131,13 @@ def test_motors_bring_the_parameters_of_their_muscles(hands):
             if row["name"] in names(model, "actuator") and row["name"] not in ODD:
                 vmax, *fmax = model.actuator(row["name"]).user
                 theirs = [float(row[key]) for key in ("fmax_negative", "fmax_positive")]
-                ratios.append(np.array(fmax) / theirs * _stronger(row, model) / _wider(row, model))
+                stronger = float(row["gear_nm"]) / model.actuator(row["name"]).gear[0]  # How much MIMo's motor is.
+                ratios.append(np.array(fmax) / theirs * stronger / _wider(row, model))
                 speeds_rad_s.append(vmax * np.ptp(model.joint(row["joint"]).range) / MIMOS.width)
     assert np.median(ratios, axis=0) == pytest.approx([1, 1], abs=0.02)
     assert np.min(ratios) > 0.65
     assert np.max(ratios) < 1.1
     assert np.min(speeds_rad_s) > FASTEST_RAD_S * (1 - 1e-6)
-
-
-def _stronger(row: dict[str, str], model: mujoco.MjModel) -> float:
-    """Return how much stronger MIMo's motor is."""
-    return float(row["gear_nm"]) / model.actuator(row["name"]).gear[0]
 
 
 def _wider(row: dict[str, str], model: mujoco.MjModel) -> float:
@@ -179,11 +171,15 @@ def test_parts_skin_and_cameras_are_there(pair):
         assert set(theirs["body"]) | set(theirs["skin"]) <= set(names(model, "body"))
         assert set(theirs["camera"]) <= set(names(model, "camera"))
     assert {"corner", "top", "side1", "side2", "closeup"} <= set(names(model, "camera"))
-    assert names(model, "joint")[0] == names(model, "body")[1] == "mimo_location"
-    assert model.body("hip").parentid[0] == model.body("mimo_location").id
+    assert_is_located(model)
     assert ("chest" in names(model, "body")) == wanted.body.chest_joint
     hinges = {name for name in names(model, "joint") if "chest" not in name}
     assert set(theirs["equality"]) & hinges <= set(names(model, "equality"))
+
+
+def assert_is_located(model: mujoco.MjModel) -> None:
+    assert names(model, "joint")[0] == names(model, "body")[1] == "mimo_location"
+    assert model.body("hip").parentid[0] == model.body("mimo_location").id
 
 
 def test_what_is_to_be_touched_comes_last_among_the_angles():
@@ -249,8 +245,7 @@ def test_names_come_in_the_order_of_mimo_3(third):
 def test_parts_of_mimo_3_are_there(third):
     model = load_model(third[1])
     theirs = looked_up(hands_of(third[1]))
-    assert names(model, "joint")[0] == names(model, "body")[1] == "mimo_location"
-    assert model.body("hip").parentid[0] == model.body("mimo_location").id
+    assert_is_located(model)
     assert {*theirs["body"], *theirs["skin"], "chest"} <= set(names(model, "body"))
     for kind in ("texture", "material"):
         assert set(theirs[kind]) <= set(names(model, kind))
@@ -261,10 +256,8 @@ def test_parts_of_mimo_3_are_there(third):
 def test_geoms_that_are_numbered_after_their_body_have_the_prefix_of_mimo_3(third):
     plain, other = map(load_model, third)
     unnumbered = {"lb", "cb", "ub1", "ub2", "ub3", "neck", "head"}
-    unnumbered |= {f"{side}_{part}" for side in ("left", "right") for part in ("uarm1", "larm", "ear")} | {
-        "nose",
-        "floor",
-    }
+    unnumbered |= {"nose", "floor"}
+    unnumbered |= {f"{side}_{part}" for side in ("left", "right") for part in ("uarm1", "larm", "ear")}
     for old, new in zip(names(plain, "geom"), names(other, "geom"), strict=True):
         assert new == (old if old in unnumbered else f"geom:{old}")
 
@@ -365,18 +358,18 @@ def test_motors_for_mimo_have_the_same_tone(target):
 # One of mimoc's bundles.
 
 
-def test_a_bundle_for_mimo_is_calm_and_says_what_it_is(pair):
-    bundle = pair[2]
-    assert bundle.manifest.notes[0].startswith("built for mimo")
+def assert_is_calm(bundle: mimoc.Bundle, target: str) -> None:
+    assert bundle.manifest.notes[0].startswith(f"built for {target}:")
     assert bundle.manifest.root_body == "mimo_location"
     assert all(check.passed for check in check_stability(bundle))
+
+
+def test_a_bundle_for_mimo_is_calm_and_says_what_it_is(pair):
+    assert_is_calm(pair[2], "mimo")
 
 
 def test_a_bundle_for_mimo_3_is_calm_and_says_what_it_is(third):
-    bundle = third[1]
-    assert bundle.manifest.notes[0].startswith("built for mimo3")
-    assert bundle.manifest.root_body == "mimo_location"
-    assert all(check.passed for check in check_stability(bundle))
+    assert_is_calm(third[1], "mimo3")
 
 
 def test_mimoc_runs_a_bundle_for_mimo():

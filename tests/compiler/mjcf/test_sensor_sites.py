@@ -14,35 +14,22 @@ from mimoc.compiler.mjcf.sensor_sites import KEYPOINTS, PREFIX, keypoint_sites
 from mimoc.fits import measure
 
 
-def floats(text: str) -> list[float]:
-    return [float(word) for word in text.split()]
-
-
-def test_sites_are_mimos(model, published):
-    """Between them stand the keypoints of BODY_25, which MIMo adds where it needs them."""
-    rows = published("sites")
-    names = [model.site(index).name for index in range(model.nsite)]
-    assert [name for name in names if not name.startswith(PREFIX)] == [row["name"] for row in rows]
-    for row in rows:
+def test_sites_sensors_and_cameras_are_mimos(model, published):
+    """Between the sites stand the keypoints of BODY_25, which MIMo adds where it needs them."""
+    rows = {kind: published(f"{kind}s") for kind in ("site", "sensor", "camera")}
+    for kind, count in (("site", model.nsite), ("sensor", model.nsensor), ("camera", model.ncam)):
+        names = [getattr(model, kind)(index).name for index in range(count)]
+        assert [name for name in names if not name.startswith(PREFIX)] == [row["name"] for row in rows[kind]]
+    for row in rows["site"]:
         site = model.site(row["name"])
         assert model.body(site.bodyid[0]).name == row["body"]
-        assert site.size[0] == floats(row["size_m"])[0]
-
-
-def test_sensors_are_mimos(model, published):
-    rows = published("sensors")
-    assert [model.sensor(index).name for index in range(model.nsensor)] == [row["name"] for row in rows]
-    for row in rows:
+        assert site.size[0] == float(row["size_m"].split()[0])
+    for row in rows["sensor"]:
         sensor = model.sensor(row["name"])
         assert sensor.type[0] == getattr(mujoco.mjtSensor, f"mjSENS_{row['kind'].upper()}")
         assert model.site(sensor.objid[0]).name == row["site"]
         assert sensor.dim[0] == 3
-
-
-def test_cameras_are_mimos(model, published):
-    rows = published("cameras")
-    assert [model.camera(index).name for index in range(model.ncam)] == [row["name"] for row in rows]
-    for row in rows:
+    for row in rows["camera"]:
         camera = model.camera(row["name"])
         assert model.body(camera.bodyid[0]).name == row["body"]
         assert camera.fovy[0] == float(row["fovy_deg"])
@@ -59,17 +46,13 @@ def test_eyes_look_ahead_from_the_front_of_the_eyeball(infants, side):
         assert np.stack([right, up, back]) == pytest.approx(np.array([[0, -1, 0], [0, 0, 1], [-1, 0, 0]]), abs=1e-8)
 
 
-def test_the_eye_looks_out_of_the_head(infants):
+def test_the_eye_looks_out_of_the_head_and_balance_is_felt_in_its_middle(infants):
     """A camera inside the head would see the inside of the head."""
     for infant in infants:
         head = infant.data.geom("head")
         local = head.xmat.reshape(3, 3).T @ (infant.data.camera("eye_left").xpos - head.xpos)
         assert np.linalg.norm(local / infant.model.geom("head").size) > 1.02
-
-
-def test_balance_is_felt_in_the_middle_of_the_head(infants):
-    for infant in infants:
-        assert infant.data.site("vestibular").xpos == pytest.approx(infant.data.geom("head").xpos, abs=1e-9)
+        assert infant.data.site("vestibular").xpos == pytest.approx(head.xpos, abs=1e-9)
 
 
 def test_at_rest_balance_is_gravity_upwards(infant_at):
@@ -94,18 +77,12 @@ def test_the_field_of_view_is_the_one_asked_for():
     assert [camera.fovy_deg for placed in cameras.values() for camera in placed] == [75, 75]
 
 
-BODY_25 = [
-    *("Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist", "MidHip"),
-    *("RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle", "REye", "LEye", "REar", "LEar"),
-    *("LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel"),
-]
-"""In OpenPose's order."""
 NEAR_M = 0.01
 MIRROR = np.array([1, -1, 1])
 
 
 def keypoints(infant) -> dict[str, np.ndarray]:
-    return {name: infant.data.site(PREFIX + name).xpos for name in BODY_25}
+    return {name: infant.data.site(PREFIX + name).xpos for name in KEYPOINTS}
 
 
 def outside_m(infant, body: str, point: np.ndarray) -> float:
@@ -131,15 +108,17 @@ def _distance(kind: int, size: np.ndarray, local: np.ndarray) -> float:
 
 
 def test_names_and_their_order_are_those_of_body_25(bundle_at):
-    assert list(KEYPOINTS) == BODY_25
+    in_order = ["Nose", "Neck", "RShoulder", "MidHip", "LBigToe", "RHeel"]
+    assert [KEYPOINTS[index] for index in (0, 1, 2, 8, 19, 24)] == in_order
+    assert len(set(KEYPOINTS)) == 25
     for hands in ("mitten", "five_finger"):
-        assert list(bundle_at(9, hands).manifest.keypoints) == [PREFIX + name for name in BODY_25]
+        assert list(bundle_at(9, hands).manifest.keypoints) == [PREFIX + name for name in KEYPOINTS]
 
 
 def test_every_keypoint_is_a_site_of_the_compiled_body(infants):
     for infant in infants[::24]:
         names = [infant.model.site(index).name for index in range(infant.model.nsite)]
-        assert {name for name in names if name.startswith(PREFIX)} == {PREFIX + name for name in BODY_25}
+        assert {name for name in names if name.startswith(PREFIX)} == {PREFIX + name for name in KEYPOINTS}
 
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
@@ -147,22 +126,13 @@ def test_at_18_months_they_are_where_mimo_has_them(hands):
     """On head and foot, in m; sk and so on are 1 there (growth.md, section 5)."""
     placed = keypoint_sites(grow_average(18, assemble(hands, False, "published")))
     found = {site.name.removeprefix(PREFIX): (body, site.pos_m) for body, sites in placed.items() for site in sites}
-    for name, pos_m in {
-        "Nose": (0.0685, 0, 0.0435),
-        "LEar": (0.01, 0.0625, 0.0575),
-        "REar": (0.01, -0.0625, 0.0575),
-    }.items():
+    on_head = {"Nose": (0.0685, 0, 0.0435), "LEar": (0.01, 0.0625, 0.0575), "REar": (0.01, -0.0625, 0.0575)}
+    for name, pos_m in on_head.items():
         assert found[name] == ("head", pytest.approx(pos_m, abs=0.002))
     for side, letter in (("left", "L"), ("right", "R")):
         assert found[f"{letter}Heel"] == (f"{side}_foot", pytest.approx((-0.020, 0, 0), abs=0.003))
         assert found[f"{letter}Ankle"][0] == f"{side}_foot"
     assert found["Neck"] == ("head", (0, 0, 0))
-
-
-def test_the_middle_of_the_hip_is_between_its_joints(infants):
-    for infant in infants[::12]:
-        points = keypoints(infant)
-        assert points["MidHip"] == pytest.approx((points["LHip"] + points["RHip"]) / 2, abs=1e-6)
 
 
 STOUT = {"sex": "female", "length_percentile": 1, "weight_percentile": 99, "head_percentile": 50}
@@ -204,6 +174,7 @@ def test_joints_are_at_the_origin_of_their_body(infants):
         for letter, side in (("L", "left"), ("R", "right")):
             for name, body in {**origins, "Eye": "eye"}.items():
                 assert np.array_equal(points[letter + name], infant.data.body(f"{side}_{body}").xpos)
+            assert points["MidHip"] == pytest.approx((points["LHip"] + points["RHip"]) / 2, abs=1e-6)
             assert points[f"{letter}Ankle"] == pytest.approx(infant.data.joint(f"robot:{side}_foot3").xanchor, abs=1e-9)
 
 
@@ -226,25 +197,15 @@ def test_they_are_on_the_body_at_every_age(infants):
                 assert name != "{}Ankle" or outside_m(infant, f"{side}_foot", points[f"{letter}Ankle"]) < NEAR_M
 
 
-def test_left_mirrors_right(infants):
+def test_left_mirrors_right_and_points_stand_in_order_from_head_to_heel(infants):
+    """Toes are before the heel, the big one on the inside."""
+    downwards = ("LEye", "Nose", "Neck", "LShoulder", "MidHip", "LKnee", "LAnkle", "LHeel")
     for infant in infants[::8]:
         points = keypoints(infant)
-        for name in (name for name in BODY_25 if name.startswith("L")):
+        for name in (name for name in KEYPOINTS if name.startswith("L")):
             assert points[name] == pytest.approx(points["R" + name[1:]] * MIRROR, abs=1e-9), (name, infant)
-
-
-def test_they_stand_in_order_from_head_to_heel(infants):
-    for infant in infants[::8]:
-        heights = {name: point[2] for name, point in keypoints(infant).items()}
-        downwards = [
-            heights[name] for name in ("LEye", "Nose", "Neck", "LShoulder", "MidHip", "LKnee", "LAnkle", "LHeel")
-        ]
-        assert downwards == sorted(downwards, reverse=True), infant
-
-
-def test_toes_are_before_the_heel_and_the_big_one_is_on_the_inside(infants):
-    for infant in infants[::8]:
-        points = keypoints(infant)
+        heights = [points[name][2] for name in downwards]
+        assert heights == sorted(heights, reverse=True), infant
         assert points["LBigToe"][0] > points["LHeel"][0] + 0.04
         assert points["LSmallToe"][1] > points["LBigToe"][1] > 0 > points["RBigToe"][1] > points["RSmallToe"][1]
 
@@ -264,7 +225,7 @@ def test_they_are_an_array_in_that_order(hands):
     env.reset(seed=0)
     points = env.keypoints()
     assert points.shape == (25, 3)
-    for name, point in zip(BODY_25, points, strict=True):
+    for name, point in zip(KEYPOINTS, points, strict=True):
         assert np.array_equal(point, env.data.site(PREFIX + name).xpos)
 
 
@@ -283,5 +244,5 @@ def test_those_of_absent_limbs_are_nan():
     env = env_of(remove=["left_lower_arm", "right_foot", "left_eye"])
     env.reset(seed=0)
     gone = {"LElbow", "LWrist", "LEye", "RAnkle", "RHeel", "RBigToe", "RSmallToe"}
-    for name, point in zip(BODY_25, env.keypoints(), strict=True):
+    for name, point in zip(KEYPOINTS, env.keypoints(), strict=True):
         assert np.isnan(point).all() if name in gone else np.isfinite(point).all(), name

@@ -3,7 +3,6 @@
 from functools import cache
 from typing import get_args
 
-import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -13,10 +12,8 @@ from support.full import full_but, full_rows
 import mimoc
 from mimoc.anatomy.anatomy import assemble
 from mimoc.body.grow import grow_tree
-from mimoc.bundle.model import load_model
 from mimoc.compiler.actuation import build_actuation
 from mimoc.fits import measure
-from mimoc.runtime.actuation import bind_actuation
 from mimoc.runtime.check import MAX_ENERGY_J_PER_KG, check_stability
 from mimoc.schema.actuation import ActuationEntry, ActuationSpec
 from mimoc.schema.kinds import ACTUATIONS
@@ -46,12 +43,6 @@ def infant(model, hands, age_months=9, **actuation):
         "senses": EVERYTHING_FELT,
     }
     return store.built(spec)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("model", ACTUATIONS)
-def test_gymnasium_has_nothing_against_it(model, hands):
-    check_env(mimoc.make(infant(model, hands)).unwrapped)
 
 
 @pytest.mark.parametrize("model", ACTUATIONS)
@@ -101,14 +92,7 @@ def test_every_actuator_moves_the_joint_of_mimos(model, tree):
     assert {actuator.mimo_actuator for actuator in actuators} == joints.keys()
     assert all(actuator.joint == joints[actuator.mimo_actuator] for actuator in actuators)
     assert len({actuator.name for actuator in actuators}) == len(actuators)
-
-
-@pytest.mark.parametrize("model", ACTUATIONS)
-def test_a_body_has_an_actuator_a_joint_or_two_muscles(model, tree):
-    count = len(build_actuation(ActuationSpec(model=model), tree, TIMESTEP_S).actuators) // (
-        2 if model == "muscle" else 1
-    )
-    assert count == (46 if len(tree.motors) < 50 else 90)
+    assert len(actuators) == (46 if len(tree.motors) < 50 else 90) * (2 if model == "muscle" else 1)
 
 
 @pytest.mark.parametrize("model", ACTUATIONS)
@@ -118,25 +102,38 @@ def test_an_actuation_model_leaves_a_joint_all_but_its_spring_and_damper(model, 
         assert np.array_equal(getattr(changed, what), getattr(plain, what)), what
 
 
-def test_full_activation_is_the_gear_within_the_force_range(infant_at):
-    """On the compiled model: torque = gear x activation, cut off at the force range."""
-    model = infant_at(18).model
-    data = mujoco.MjData(model)
-    elbow = model.actuator("act:left_elbow")
-    for command, torque_nm in ((1, 0.83 * 3.6), (0.5, 1.8), (-1, -3.6), (-5, -3.6)):
-        data.act[elbow.actadr[0]] = command
-        mujoco.mj_forward(model, data)
-        assert data.joint("robot:left_elbow").qfrc_actuator[0] == pytest.approx(torque_nm)
-
-
 def test_every_actuation_of_the_manifest_is_in_the_table():
     assert list(ACTUATIONS) == list(get_args(ActuationEntry.model_fields["model"].annotation))
 
 
 @pytest.mark.parametrize("model", ACTUATIONS)
-def test_every_actuation_says_its_range(built, model):
-    bundle = built(actuation={"model": model})
-    actuation = bind_actuation(bundle.manifest.actuation, load_model(bundle))
-    actuators = bundle.manifest.actuation.actuators
-    assert list(actuation.low) == [actuator.action_low for actuator in actuators]
-    assert list(actuation.high) == [actuator.action_high for actuator in actuators]
+def test_an_action_has_the_range_of_its_actuators(open_env, model):
+    env = open_env(actuation={"model": model})
+    actuators, space = env.manifest.actuation.actuators, env.action_space
+    ranges = np.stack([space.low, space.high], axis=1)
+    assert ranges.tolist() == [[actuator.action_low, actuator.action_high] for actuator in actuators]
+    assert np.array_equal(ranges, env.model.actuator_ctrlrange)
+    assert {*space.low} == {0 if model == "muscle" else -1}
+
+
+@pytest.mark.parametrize(
+    ("model", "development", "drive"),
+    [
+        ("torque", "maturing", "activation"),
+        ("torque", "published", "command"),
+        ("muscle", "maturing", "activation"),
+        ("position", "maturing", "command"),
+    ],
+)
+def test_drives_and_torques_are_felt(open_env, model, development, drive):
+    env = open_env(actuation={"model": model}, development=development, scene={"kind": "flat", "pose": "sitting"})
+    env.reset(seed=0)
+    for _ in range(5):
+        command = env.np_random.uniform(env.action_space.low, env.action_space.high).astype(np.float32)
+        observation, *_ = env.step(command)
+    felt = dict(zip(env.layout("proprioception"), observation["proprioception"], strict=True))
+    torques_nm = env.data.actuator_force * env.model.actuator_gear[:, 0]
+    for index, actuator in enumerate(env.manifest.actuation.actuators):
+        driven = command[index] if drive == "command" else env.data.act[index]
+        assert felt[f"{actuator.name} {drive} [1]"] == pytest.approx(driven)
+        assert felt[f"{actuator.name} torque [N m]"] == pytest.approx(torques_nm[index], rel=1e-6)

@@ -50,25 +50,6 @@ def test_an_activation_is_a_share_of_each_motors_gear(env):
         assert torques_nm(env) == pytest.approx(gears_nm(env, with_tone(env, activation)))
 
 
-def test_activations_and_torques_are_felt(env):
-    command = np.random.default_rng(0).uniform(-1, 1, 44)
-    for _ in range(5):
-        observation, *_ = env.step(command)
-    felt = dict(zip(env.layout("proprioception"), observation["proprioception"], strict=True))
-    for index, motor in enumerate(env.manifest.actuation.actuators):
-        assert felt[f"{motor.name} activation [1]"] == pytest.approx(env.data.act[index])
-        torque_nm = env.data.actuator_force[index] * env.model.actuator_gear[index, 0]
-        assert felt[f"{motor.name} torque [N m]"] == pytest.approx(torque_nm, rel=1e-6)
-
-
-def test_published_commands_are_felt(published):
-    command = np.random.default_rng(0).uniform(-1, 1, 44)
-    observation, *_ = published.step(command)
-    felt = dict(zip(published.layout("proprioception"), observation["proprioception"], strict=True))
-    for index, motor in enumerate(published.manifest.actuation.actuators):
-        assert felt[f"{motor.name} command [1]"] == pytest.approx(command[index])
-
-
 def test_motors_that_take_no_commands_stay_without_activation(open_env):
     env = open_env(actuation={"regions": ["arms"], "locked": ["legs"]}, scene={"kind": "flat", "pose": "sitting"})
     env.reset(seed=0)
@@ -77,26 +58,6 @@ def test_motors_that_take_no_commands_stay_without_activation(open_env):
     commanded = np.array([actuator.commanded for actuator in env.manifest.actuation.actuators])
     assert env.data.act[commanded].all()
     assert not env.data.act[~commanded].any()
-
-
-def test_a_state_includes_the_activations(env):
-    """What happens next is the same, to the bit."""
-    env.step(env.action_space.high)
-    state, found = env.get_state(), []
-    for _ in range(2):
-        env.set_state(state)
-        assert env.data.act.all()
-        for _ in range(5):
-            env.step(env.action_space.low)
-        found.append(env.get_state()["physics"])
-        env.reset(seed=1)
-    assert np.array_equal(*found)
-
-
-def test_actions_have_the_range_of_the_controls(env):
-    space, model = env.action_space, env.model
-    assert (space.shape, space.dtype) == ((model.nu,), np.float32)
-    assert np.array_equal(np.stack([space.low, space.high], axis=1), model.actuator_ctrlrange)
 
 
 def test_the_action_names_its_actuators_in_order(env):

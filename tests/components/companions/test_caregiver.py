@@ -1,7 +1,6 @@
 """A caregiver acts when its script says, moves as adults do, and never through the infant."""
 
 import copy
-import pickle
 import re
 from contextlib import closing
 
@@ -15,7 +14,7 @@ import mimoc
 from mimoc.base.errors import MimocError, SpecError, UnknownNameError
 from mimoc.base.geometry.adult import SIDES
 from mimoc.compiler.explain import explain
-from mimoc.components.companions.caregiver.run_body import PEAK_M_S, PEAK_RAD_S
+from mimoc.components.companions.body import PEAK_M_S, PEAK_RAD_S
 from mimoc.runtime.sound import Sound
 
 BALL = {"name": "ball", "radius_cm": 3, "mass_g": 40, "at": {"x_cm": 15, "y_cm": 30}}
@@ -190,16 +189,6 @@ BUSY = {
 }
 
 
-@pytest.mark.parametrize("clone", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
-def test_copies_go_on_alike(cared_for, clone):
-    env = cared_for(BUSY)
-    env.caregiver.do("speak")
-    move(env, 0.7, strength=1.0)
-    with closing(clone(env)) as twin:
-        assert (move(env, 1, strength=1.0, seed=1) == move(twin, 1, strength=1.0, seed=1)).all()
-        assert twin.caregiver.acts == env.caregiver.acts
-
-
 def test_a_copy_sees_what_the_original_sees_from_its_first_physics_step_on(cared_for):
     env = cared_for({"place": "above", "distance_cm": 30})
     for seed in range(4):
@@ -234,25 +223,6 @@ def test_it_stays_when_the_infant_grows(cared_for):
     assert env.data.body("caregiver_trunk").xpos == pytest.approx(place_m)
     move(env, 3)
     assert on_the_floor_n(env) / env.caregiver.infant.weight_n == pytest.approx(0.5, abs=0.05)
-
-
-def test_in_a_batch_it_acts_as_in_single_environments():
-    spec = with_caregiver(BUSY, senses={"proprioception": {}, "touch": {"density": 0.2}})
-    batch, singles = mimoc.make_vec(spec, num_envs=2, threads=2), [mimoc.make(spec) for _ in range(2)]
-    batch.reset(seed=3)
-    for index, env in enumerate(singles):
-        env.reset(seed=3 + index)
-    for _ in range(60):
-        actions = np.stack([env.action_space.sample() for env in singles])
-        observed, expected = (
-            batch.step(actions)[0],
-            [env.step(row)[0] for env, row in zip(singles, actions, strict=True)],
-        )
-        for name, values in observed.items():
-            assert (values == np.stack([item[name] for item in expected])).all()
-    assert [infant.caregiver.acts for infant in batch.infants] == [env.unwrapped.caregiver.acts for env in singles]
-    for opened in (batch, *singles):
-        opened.close()
 
 
 def test_recordings_contain_what_it_was_asked_and_are_replayed(tmp_path):
@@ -336,12 +306,6 @@ def test_its_derived_numbers_are_explained(cared_for):
     bundle = cared_for({"answers": {}}).bundle
     for key in ("scale", "infant_face_m", "answers.kick_m"):
         assert explain(bundle, f"caregiver.{key}")
-
-
-def test_an_infant_alone_has_no_caregiver():
-    with closing(mimoc.make(mimoc.InfantSpec(mimoc=1, name="x", age_months=4)).unwrapped) as env:  # noqa: SIM117
-        with pytest.raises(MimocError, match="has no caregiver; add"):
-            _ = env.caregiver
 
 
 STEP_MS = 5.0

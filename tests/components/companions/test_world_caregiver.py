@@ -13,8 +13,8 @@ from support.worlds import placed
 import mimoc
 from mimoc.base.errors import KindError, MimocError, SpecError, UnknownNameError
 from mimoc.compiler.worlds import plan_world
-from mimoc.components.companions.caregiver.run import Caregiver
-from mimoc.runtime.opening.parallel import shared_world
+from mimoc.components.companions.caregiver import Caregiver
+from mimoc.runtime.opening import shared_world
 from mimoc.runtime.sound import Sound
 from mimoc.runtime.world_env import WorldEnv
 

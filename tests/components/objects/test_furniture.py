@@ -293,24 +293,6 @@ def bundle(age_months: float) -> mimoc.Bundle:
     return mimoc.build(spec_with(LAB, age_months, pose="sitting", start_at="chair", senses=SENSES))
 
 
-def test_an_infant_in_a_batch_is_that_of_a_single_environment_to_the_bit():
-    bundles = [bundle(6), bundle(12)]
-    batch, singles = mimoc.make_vec(bundles, 2, threads=1), [mimoc.make(item) for item in bundles]
-    batch.reset(seed=[3, 4])
-    for seed, env in enumerate(singles, start=3):
-        env.reset(seed=seed)
-    generator = np.random.default_rng(0)
-    for _ in range(5):
-        actions = generator.uniform(-1, 1, batch.action_space.shape).astype(np.float32)
-        together = batch.step(actions)[0]
-        for index, env in enumerate(singles):
-            alone = env.step(actions[index])[0]
-            for name, values in alone.items():
-                assert (together[name][index] == values).all(), name
-    for env in (batch, *singles):
-        env.close()
-
-
 @pytest.mark.extras
 @pytest.mark.slow
 @pytest.mark.usefixtures("kernels_compiled_quickly")

@@ -11,7 +11,7 @@ from support.scenes_of_objects import built_with, fastest_m_s, spec_with, starte
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.objects.built_object import DAMPING_RATIO
-from mimoc.components.objects.shape.build import DENSITIES_KG_M3
+from mimoc.components.objects.shape import DENSITIES_KG_M3
 
 AT = {"at": {"x_cm": 60, "y_cm": 0}}
 

@@ -15,8 +15,8 @@ from support.furnished import spec_with
 import mimoc
 from mimoc.base.errors import MimocError, SpecError
 from mimoc.bundle.model import load_model
-from mimoc.components.objects.furniture.water import Water
-from mimoc.runtime.opening.parallel import shared_world
+from mimoc.components.objects.water import Water
+from mimoc.runtime.opening import shared_world
 
 FAR = {"x_cm": 150, "y_cm": 0}
 """A place that the infant, which lies at the origin, does not reach."""

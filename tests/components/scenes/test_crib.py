@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from mimoc.compiler.mjcf.furniture import RAIL_RADIUS_M, WorldGeom
+from mimoc.compiler.mjcf.elements import RAIL_RADIUS_M, WorldGeom
 from mimoc.components.scenes.crib import LEGS_M, Crib, crib
 
 LENGTHS = st.floats(0.35, 1.2)

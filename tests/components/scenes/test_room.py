@@ -11,9 +11,9 @@ from PIL import Image
 
 from mimoc.base.random_streams import stream
 from mimoc.compiler.looks.wallpaper import FLOORS, PICTURES, WALLS, Wallpapers
-from mimoc.compiler.mjcf.furniture import WorldGeom
+from mimoc.compiler.mjcf.elements import WorldGeom
 from mimoc.compiler.scenes import HEADLIGHT
-from mimoc.components.scenes.room.build import CLEARANCE_M, Room, draw_room, place_infant
+from mimoc.components.scenes.room import CLEARANCE_M, Room, draw_room, place_infant
 
 USUAL = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
 SEEDS = range(1000)

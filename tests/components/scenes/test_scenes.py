@@ -13,7 +13,7 @@ from mimoc.compiler.looks.wallpaper import Wallpapers
 from mimoc.compiler.mjcf.scene import Keyframe
 from mimoc.compiler.placing import place_discs, place_pose
 from mimoc.compiler.scenes import BuiltScene, Occupant, Placement, footprint
-from mimoc.components.scenes.room.build import CLEARANCE_M
+from mimoc.components.scenes.room import CLEARANCE_M
 from mimoc.schema.kinds import SCENES
 from mimoc.schema.scene import SceneSpec
 

@@ -11,9 +11,8 @@ from support.worlds import ANNA, BEN, world
 import mimoc
 from mimoc.base.errors import KindError
 from mimoc.base.kinds import function_of
-from mimoc.runtime.contract import check_observation, check_sense
-from mimoc.runtime.sense import Vector
-from mimoc.runtime.senses import TermSense, bind_senses
+from mimoc.runtime.contract import check_observation
+from mimoc.runtime.sense import TermSense, Vector, bind_senses, check_sense
 from mimoc.runtime.term import Term
 from mimoc.schema.kinds import SENSES
 from mimoc.schema.senses import SensesEntry, SensesSpec

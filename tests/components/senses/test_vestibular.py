@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from pydantic import ValidationError
+from support.full import full_but
 
-from mimoc.components.senses.vestibular import CanalsEntry, VestibularEntry, VestibularSpec
-from mimoc.components.senses.vestibular.build import build
+from mimoc.components.senses.vestibular import CanalsEntry, VestibularEntry, VestibularSpec, build
 from mimoc.components.senses.vestibular.run import bind, bind_noise
 from mimoc.runtime.noise import NoiseStreams, SignalNoise, processing_of
 from mimoc.schema.senses import NoiseEntry
@@ -151,7 +151,7 @@ def test_the_canals_have_the_gain_and_the_phase_of_their_transfer_function(dynam
     assert abs(measured / transfer(dynamics, frequency_hz) - 1) < 0.02
 
 
-@pytest.mark.parametrize("months", [0, 1, 2, 4, 6, 12, 24])
+@pytest.mark.parametrize("months", full_but([0, 12], [1, 2, 4, 6, 24]))
 def test_a_constant_rotation_is_no_longer_felt_after_a_minute(months):
     """Its own direction is not; what adaptation leaves in the other one is less than a tenth."""
     times_s = np.arange(0, 60.01, 0.01)

@@ -6,17 +6,14 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
 from support.full import full_but
 
 import mimoc
-from mimoc.base.errors import SpecError
-from mimoc.bundle.model import simulation_warnings
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.task_setup import RADIUS_M
 from mimoc.components.tasks.catch.run import ResizableBall
-from mimoc.policies.control.torque_mapping import Activation
+from mimoc.policies.control.actuators import ActivationFilter
 from mimoc.schema.task import BallEntry
 
 ARM = ("shoulder", "elbow", "hand")
@@ -80,7 +77,7 @@ class Script:
         names = [model.joint(joint).name.split("_", 1)[1] for joint in joints]
         self.frequency = np.array([ARM_RAD_S if name.startswith(ARM) else FINGERS_RAD_S for name in names])
         self.low, self.high = model.jnt_range[joints].T
-        self.activation = Activation(model, env.actuation.actuators, env.manifest.step_ms / 1000)
+        self.filter = ActivationFilter(model, env.actuation.actuators, env.manifest.step_ms / 1000)
         self.open = env.data.qpos[self.angles].copy()
         self.fist = np.array([self.closed(name, angle) for name, angle in zip(names, self.open, strict=True)])
         self.touched = False
@@ -93,8 +90,7 @@ class Script:
     def __call__(self, touches):
         self.touched |= touches
         goal = self.fist if self.touched else self.open
-        self.activation.keep(self.env.data)
-        commands = self.activation.commands(self.activations(goal))
+        commands = self.filter.controls(self.env.data.act, self.activations(goal))
         return np.clip(commands, self.env.action_space.low, self.env.action_space.high).astype(np.float32)
 
     def torques(self, goal):
@@ -245,7 +241,7 @@ def test_effort_is_what_the_environment_says_it_is(catch):
     assert info["reward_terms"]["effort"] == pytest.approx(-40 * env.effort())
 
 
-@pytest.mark.parametrize("age_months", [0, 9, 24])
+@pytest.mark.parametrize("age_months", full_but([9], [0, 24]))
 def test_every_episode_has_a_ball_of_its_own(catch, age_months):
     """Sizes and masses are MIMo's at every age; the height is the hand's."""
     env = catch(age_months)
@@ -263,7 +259,16 @@ def test_every_episode_has_a_ball_of_its_own(catch, age_months):
     assert (*size(env),) == balls[7][:2]
 
 
-@pytest.mark.parametrize("age_months", [0, 9, 24])
+def test_a_state_has_the_size_and_the_mass_of_its_ball(catch):
+    env = catch()
+    state, before = env.get_state(), size(env)
+    env.reset(seed=5)
+    assert size(env) != before
+    env.set_state(state)
+    assert size(env) == before
+
+
+@pytest.mark.parametrize("age_months", full_but([9], [0, 24]))
 @pytest.mark.parametrize("model", ["torque", "muscle"])
 def test_at_rest_only_the_arm_moves(catch, age_months, model):
     env = catch(age_months, model=model)
@@ -274,55 +279,6 @@ def test_at_rest_only_the_arm_moves(catch, age_months, model):
         env.step(rest(env))
     moved_m = {name: float(np.linalg.norm(env.data.site(name).xpos - place)) for name, place in before.items()}
     assert max(moved_m.values()) < 3e-3, moved_m
-
-
-@pytest.mark.parametrize(("age_months", "model", "hands"), [(0, "torque", "five_finger"), (24, "muscle", "mitten")])
-def test_random_movements_break_nothing(catch, age_months, model, hands):
-    env = catch(age_months, hands, model)
-    env.action_space.seed(0)
-    for seed in range(5):
-        _, (_, _, info) = play(env, seed)
-        assert not info["unstable"]
-        assert not simulation_warnings(env.data)
-
-
-def holds(env, seed) -> bool:
-    """Play until the ball is held for 20 steps, or the episode ends."""
-    env.reset(seed=seed)
-    act, touches, ended = Script(env), False, False
-    while not ended and env.get_state()["task"]["held"] < 20:
-        _, _, terminated, truncated, info = env.step(act(touches))
-        touches, ended = info["reward_terms"]["contact"] > 0, terminated or truncated
-    return not ended
-
-
-@pytest.mark.parametrize("model", ["torque", "muscle"])
-def test_what_follows_a_state_follows_it_again_with_the_same_ball(open_env, catch, model):
-    env = catch(model=model)
-    assert any(holds(env, seed) for seed in range(10))
-    state, before = env.get_state(), size(env)
-    env.action_space.seed(0)
-    actions = [env.action_space.sample() for _ in range(30)]
-    first = [env.step(action)[1] for action in actions]
-    env.reset(seed=5)
-    other = open_env(bundle=env.bundle)
-    for each in (env, other):
-        each.set_state(state)
-        assert size(each) == before
-        assert [each.step(action)[1] for action in actions] == first
-
-
-@pytest.mark.parametrize("kind", ["crib", "room"])
-def test_it_can_be_played_in_other_scenes(catch, kind):
-    env = catch(9, scene={"kind": kind, "seed": 3})
-    assert any(caught(env, seed) for seed in range(5))
-
-
-@pytest.mark.parametrize("model", ["torque", "muscle"])
-def test_gymnasium_finds_no_fault(catch, model):
-    env = mimoc.make(catch(model=model).bundle)
-    check_env(env.unwrapped)
-    env.close()
 
 
 BALL = BallEntry(body="ball", joint="ball:free", geom="ball")
@@ -375,6 +331,7 @@ def test_a_changed_ball_rolls_and_falls_as_if_compiled_so():
 
 
 AGES = (0, 3, 9, 18, 24)
+SOME_AGES = full_but([0, 18], AGES)
 PALMAR = {"right": -1, "left": 1}
 
 
@@ -411,7 +368,7 @@ def palm_of(made: Builder, data: mujoco.MjData) -> np.ndarray:
     return data.body(goal.palm).xpos + data.body(goal.palm).xmat.reshape(3, 3) @ goal.palm_m
 
 
-@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("age_months", SOME_AGES)
 def test_the_palm_is_up_and_the_forearm_level(age_months, hands, hand):
     _, model = average(age_months, hands, hand)
     data = started(model)
@@ -422,7 +379,7 @@ def test_the_palm_is_up_and_the_forearm_level(age_months, hands, hand):
     assert np.degrees(np.arccos(-upper_arm[2])) < 10
 
 
-@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("age_months", SOME_AGES)
 def test_the_infant_rests_on_the_floor_and_touches_nothing_else(age_months, hands, hand):
     _, model = average(age_months, hands, hand)
     data = started(model)
@@ -432,7 +389,7 @@ def test_the_infant_rests_on_the_floor_and_touches_nothing_else(age_months, hand
     assert np.abs(np.where(ends, np.minimum(data.efc_pos, 0), data.efc_pos)).max() < 2e-4
 
 
-@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("age_months", SOME_AGES)
 def test_the_point_of_the_palm_is_on_its_surface(age_months, hands, hand):
     """A ray from above meets the hand there."""
     made, model = average(age_months, hands, hand)
@@ -446,7 +403,7 @@ def test_the_point_of_the_palm_is_on_its_surface(age_months, hands, hand):
     assert model.body(model.geom_bodyid[geom[0]]).name == f"{hand}_hand"
 
 
-@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("age_months", SOME_AGES)
 def test_the_ball_hangs_over_the_palm(age_months, hands, hand):
     made, model = average(age_months, hands, hand)
     data = started(model)
@@ -488,9 +445,3 @@ def test_the_ball_goes_where_the_infant_is(kind):
     made = staged(9, scene={"kind": kind, "seed": 3})
     data = started(compile_model(made(0).files))
     assert (data.body("target").xpos - palm_of(made, data))[:2] == pytest.approx((0, 0), abs=1e-6)
-
-
-def test_an_infant_without_the_hand_cannot_catch():
-    with pytest.raises(SpecError, match=r"task 'catch' requires left_fingers and left_hand, which this infant"):
-        staged(hand="left", body={"remove": ["left_hand"]})
-    assert staged(hand="right", body={"remove": ["left_hand"]}).manifest.task.kind == "catch"

@@ -14,7 +14,7 @@ import mimoc
 from mimoc import Judgement
 from mimoc.base.errors import KindError
 from mimoc.plugin import Change
-from mimoc.runtime.judgement import check_term_judgement
+from mimoc.runtime.task import check_term_judgement
 
 FINITE = "expected a finite number, or a mimoc.Judgement of such by name"
 
@@ -57,10 +57,7 @@ def stepped(env: Any, steps: int = 1) -> Any:
         (np.ones(1), f"the term 'reward' of its reward is an array of float64, shape (1,); {FINITE}"),
         (Judgement({"a": 1.0, "b": np.nan}), f"the term 'b' of its reward is nan; {FINITE}"),
         (Judgement({"a": "x"}), f"the term 'a' of its reward is 'x'; {FINITE}"),
-        (
-            Judgement({"a": np.ones(2)}),
-            f"the term 'a' of its reward is an array of float64, shape (2,); {FINITE}",
-        ),
+        (Judgement({"a": np.ones(2)}), f"the term 'a' of its reward is an array of float64, shape (2,); {FINITE}"),
         (Judgement({}, success="no"), "'success' of its judgement is 'no'; expected True or False"),
         (Judgement({}, terminated=None), "'terminated' of its judgement is None; expected True or False"),
     ],
@@ -129,21 +126,12 @@ class Rule(mimoc.Term):
 RULES = [
     (lambda height: height, r"its judgement is an array of float64, shape \(1,\); expected a mimoc.Judgement"),
     (lambda height: None, "its judgement is None"),
-    (
-        lambda height: Judgement({"h": 1.0}),
-        r"the term 'h' of its reward is 1.0; expected an array of shape \(1,\)",
-    ),
+    (lambda height: Judgement({"h": 1.0}), r"the term 'h' of its reward is 1.0; expected an array of shape \(1,\)"),
     (lambda height: Judgement({"h": height[None]}), r"is an array of float64, shape \(1, 1\)"),
     (lambda height: Judgement({}, success=height[None] > 0), "'success' of its judgement is an array of bool"),
     (lambda height: Judgement({}, memory={"m": height}), "'m' of its memory is not what its task remembers"),
-    (
-        lambda height: Judgement({}, memory={"kept": height[None]}),
-        r"'kept' of its memory is .*\(1, 1\); expected",
-    ),
-    (
-        lambda height: Judgement({}, changes={"body_mass": Change(height > 0, lambda: height)}),
-        "changes 'body_mass'",
-    ),
+    (lambda height: Judgement({}, memory={"kept": height[None]}), r"'kept' of its memory is .*\(1, 1\); expected"),
+    (lambda height: Judgement({}, changes={"body_mass": Change(height > 0, lambda: height)}), "changes 'body_mass'"),
 ]
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from support.full import full_but
 
 import mimoc
-from mimoc.base.errors import SpecError
 
 LOOKS_RAD = np.deg2rad(3)
 """How well eyes look at the ball, where their range allows."""
@@ -92,11 +92,6 @@ def test_where_the_ball_is_can_be_felt(env):
     assert len({tuple(reading[neck].tolist()) for reading in seen}) == 6
 
 
-def test_the_places_follow_from_the_seed(env):
-    places = [env.reset(seed=seed)[0] is not None and env.data.body("target").xpos.tolist() for seed in (1, 2, 1)]
-    assert places[0] == places[2] != places[1]
-
-
 def test_what_is_held_stays(env):
     env.reset(seed=0)
     bodies = [env.model.body(name).id for name in ("hip", "chest", "left_hand", "left_foot", "right_foot")]
@@ -136,7 +131,7 @@ def test_the_ball_is_farther_the_longer_the_arm(age_months, hands):
     assert 0.5 * arm_m < nearest < farthest < arm_m
 
 
-@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("age_months", full_but([0], AGES))
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_no_ball_starts_in_the_infant(age_months, hand):
     env = mimoc.InfantEnv(mimoc.build(reach(age_months, task={"kind": "reach", "hand": hand})))
@@ -147,7 +142,7 @@ def test_no_ball_starts_in_the_infant(age_months, hand):
         assert not (touching == ball).any(), seed
 
 
-@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("age_months", full_but([0], AGES))
 @pytest.mark.parametrize("development", ["maturing", "published"])
 def test_the_infant_is_upright_though_newborns_do_not_straighten_their_hips(age_months, development):
     env = mimoc.InfantEnv(mimoc.build(reach(age_months, development=development)))
@@ -175,18 +170,6 @@ def test_mimos_ball_hangs_in_its_box_at_18_months(hand):
         away_m = env.data.body("target").xpos - env.data.body(f"{hand}_upper_arm").xpos
         assert (low - 0.01 < away_m * (1, side, 1)).all()
         assert (away_m * (1, side, 1) < high + 0.01).all()
-
-
-def test_only_the_arm_that_reaches_takes_commands():
-    entries = mimoc.build(reach(9)).manifest.actuation.actuators
-    commanded = [entry.name for entry in entries if entry.commanded]
-    assert len(commanded) == 8
-    assert all("right" in name for name in commanded)
-
-
-def test_an_infant_without_the_hand_cannot_reach():
-    with pytest.raises(SpecError, match=r"task 'reach' requires right_fingers, which this infant does not have"):
-        mimoc.build(reach(9, body={"remove": ["right_hand"]}))
 
 
 def test_toys_and_a_room_go_with_it():

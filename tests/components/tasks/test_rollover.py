@@ -5,11 +5,10 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
+from support.full import full_but
 
 import mimoc
 from mimoc.base.errors import SpecError
-from mimoc.bundle.model import simulation_warnings
 from mimoc.compiler.building import Builder, builder
 from mimoc.schema import read_spec
 from mimoc.schema.source import parse
@@ -60,7 +59,7 @@ def turned(env):
 
 @pytest.mark.parametrize("pose", ["supine", "prone"])
 @pytest.mark.parametrize("model", ["torque", "muscle", "position"])
-@pytest.mark.parametrize("age_months", [0, 9, 24])
+@pytest.mark.parametrize("age_months", full_but([9], [0, 24]))
 def test_an_episode_starts_at_rest_and_not_turned(rollover, age_months, model, pose):
     """So an infant that does nothing earns next to nothing."""
     env = rollover(age_months, pose, model=model)
@@ -165,46 +164,6 @@ def succeeds(env, generator):
         if env.step(action)[4]["is_success"]:
             return True
     return False
-
-
-@pytest.mark.parametrize(("age_months", "model", "hands"), [(0, "torque", "mitten"), (18, "muscle", "five_finger")])
-def test_random_movements_break_nothing(rollover, age_months, model, hands):
-    env = rollover(age_months, model=model, hands=hands)
-    env.action_space.seed(0)
-    for _ in range(500):
-        _, reward, terminated, truncated, info = env.step(env.action_space.sample())
-        assert np.isfinite(reward)
-        assert not info["unstable"]
-        assert not terminated
-    assert truncated
-    assert not simulation_warnings(env.data)
-
-
-@pytest.mark.parametrize("reward", ["dense", "shaped"])
-def test_what_follows_a_state_follows_it_again(open_env, rollover, reward):
-    env = rollover(pose="prone", reward=reward)
-    env.action_space.seed(0)
-    actions = [env.action_space.sample() for _ in range(40)]
-    for action in actions:
-        env.step(action)
-    state = env.get_state()
-    first = [env.step(action)[1] for action in actions]
-    other = open_env(bundle=env.bundle)
-    other.set_state(state)
-    assert [other.step(action)[1] for action in actions] == first
-
-
-@pytest.mark.parametrize("reward", ["dense", "shaped"])
-def test_gymnasium_finds_no_fault(rollover, reward):
-    env = mimoc.make(rollover(reward=reward).bundle)
-    check_env(env.unwrapped)
-    env.close()
-
-
-def test_the_config_is_this_task():
-    spec = mimoc.load_spec("configs/rollover.yaml")
-    assert spec.task is not None
-    assert spec.task.kind == "rollover"
 
 
 def staged(**keys) -> Builder:

@@ -17,8 +17,8 @@ from mimoc.base.kinds import function_of
 from mimoc.bundle.model import simulation_warnings
 from mimoc.compiler.child import child_of
 from mimoc.compiler.task_setup import build_task
+from mimoc.runtime import env_name
 from mimoc.runtime.model_fields import ModelField
-from mimoc.runtime.opening.registration import env_name
 from mimoc.runtime.task import Change, Judgement, Task
 from mimoc.runtime.term import Term
 from mimoc.schema.kinds import TASKS
@@ -227,6 +227,26 @@ def test_a_task_that_leaves_nothing_to_command_is_refused(actuation, problem):
     spec = {"mimoc": 1, "name": "x", "age_months": 7, "actuation": actuation, "task": {"kind": "reach"}}
     with pytest.raises(mimoc.MimocError, match=problem):
         mimoc.build(mimoc.InfantSpec.model_validate(spec))
+
+
+@pytest.mark.parametrize(
+    ("kind", "hands", "count"), [("reach", "mitten", 8), ("selfbody", "mitten", 8), ("selfbody", "five_finger", 29)]
+)
+def test_only_one_arm_and_its_hand_take_commands(kind, hands, count):
+    with make(kind, hands=hands, hand="left") as env:
+        actuators = env.unwrapped.manifest.actuation.actuators
+    commanded = [actuator.name for actuator in actuators if actuator.commanded]
+    assert len(commanded) == count
+    assert all(name.startswith("act:left_") for name in commanded)
+
+
+@pytest.mark.parametrize("kind", ["catch", "reach", "selfbody"])
+def test_an_infant_without_the_hand_is_refused(kind):
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "body": {"remove": ["left_hand"]}}
+    with pytest.raises(mimoc.MimocError, match=rf"task '{kind}' requires left_fingers.*, which this infant does not"):
+        mimoc.build(mimoc.InfantSpec.model_validate({**spec, "task": {"kind": kind, "hand": "left"}}))
+    right = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "task": {"kind": kind, "hand": "right"}}))
+    assert right.manifest.task.kind == kind
 
 
 MODEL = """

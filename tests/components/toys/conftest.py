@@ -2,12 +2,12 @@
 
 import pytest
 
-from mimoc.components.toys.toys4k import cache, convex, processing, subprocesses, worker
+from mimoc.components.toys.toys4k import build, meshes, processing, worker
 
 
 @pytest.fixture
 def without_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (convex, cache):
+    for module in (meshes, build):
         monkeypatch.setattr(module, "has_coacd", lambda: False)
 
 
@@ -24,6 +24,6 @@ def reading_here(monkeypatch: pytest.MonkeyPatch) -> None:
         try:
             return worker.TASKS[task](content, *map(str, arguments))
         except worker.RefusedError as error:
-            raise subprocesses.WorkerError(str(error)) from None
+            raise worker.WorkerError(str(error)) from None
 
     monkeypatch.setattr(processing, "run_worker", read)

@@ -6,9 +6,7 @@ from support.full import full_rows
 
 import mimoc
 from mimoc.base.errors import ControlError
-from mimoc.policies.control import GAIN_SETS
-from mimoc.policies.control.reaching import ReachableTargets
-from mimoc.policies.reach import ReachPolicy, reach_errors
+from mimoc.policies.reach import GAIN_SETS, ReachableTargets, ReachPolicy, reach_errors
 from mimoc.policies.rollout import Run
 
 SITTING = {"kind": "flat", "pose": "sitting"}
@@ -49,11 +47,6 @@ def test_an_infant_without_hands_cannot_reach(open_env):
     env = open_env(body={"remove": ["left_hand", "right_hand"]})
     with pytest.raises(ControlError, match="no hand with a commanded arm"):
         ReachPolicy(env)
-
-
-def test_servos_cannot_reach_by_torques(open_env):
-    with pytest.raises(ControlError, match="'position' does not accept"):
-        Run(open_env(actuation={"model": "position"}), "reach", seed=0)
 
 
 @pytest.mark.full

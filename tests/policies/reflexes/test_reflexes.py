@@ -1,5 +1,7 @@
 """The policy `reflexes`: ages, senses, memory, many infants, and what is said of it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, strategies as some
@@ -9,11 +11,11 @@ import mimoc
 from mimoc.base.errors import PolicyError
 from mimoc.policies.named import policy_of
 from mimoc.policies.policy import Batch, batch_of_one
-from mimoc.policies.reflexes import grasping, neck
-from mimoc.policies.reflexes.binding import REFLEXES, Reflexes, bind_many
-from mimoc.policies.reflexes.reflex import AgeWindow
+from mimoc.policies.reflexes import repertoire
+from mimoc.policies.reflexes.binding import Reflexes, bind_many
+from mimoc.policies.reflexes.repertoire import REFLEXES, AgeWindow
 from mimoc.policies.reflexes.sensing import Sensed
-from mimoc.runtime.array_library import NUMPY, torch_library
+from mimoc.runtime.worlds import NUMPY, torch_library
 
 AGES = some.floats(0, 24)
 LOSING = [reflex for reflex in REFLEXES.values() if reflex.ages.loss_months]
@@ -62,21 +64,21 @@ def test_a_window_without_ages_is_a_reflex_for_life():
 
 def test_a_pull_tightens_the_grip():
     touched = {"pressure_n": {"right palm": np.ones(1)}}
-    drives, _ = grasping.palmar_grasp(sensed(**touched), started("palmar_grasp"))
+    drives, _ = repertoire.palmar_grasp(sensed(**touched), started("palmar_grasp"))
     pulled = sensed(**touched, speed_rad_s={"right_fingers": np.full(1, 2.0)})
-    tighter, _ = grasping.palmar_grasp(pulled, started("palmar_grasp"))
+    tighter, _ = repertoire.palmar_grasp(pulled, started("palmar_grasp"))
     assert tighter["right finger flexion"] > drives["right finger flexion"] > 0
     assert drives["left finger flexion"] == 0
 
 
 def test_rooting_stops_where_the_head_has_turned_and_gets_used_to_a_touch():
     touched, state = sensed(pressure_n={"left cheek": np.ones(1)}), started("rooting")
-    first, state = neck.rooting(touched, state)
+    first, state = repertoire.rooting(touched, state)
     turned = sensed(pressure_n={"left cheek": np.ones(1)}, angle_rad={"head_swivel": np.full(1, 0.75)})
     assert first["head turn left"] > 0
-    assert neck.rooting(turned, state)[0]["head turn left"] == 0
+    assert repertoire.rooting(turned, state)[0]["head turn left"] == 0
     for _ in range(3000):
-        drives, state = neck.rooting(touched, state)
+        drives, state = repertoire.rooting(touched, state)
     assert drives["head turn left"] < 0.01
 
 
@@ -85,8 +87,8 @@ def test_the_tonic_reflex_is_there_two_fifths_of_the_time():
     state = {name: np.zeros(count) for name in REFLEXES["tonic_neck"].start}
     for _ in range(3000):
         turned = sensed(draw.random(count), angle_rad={"head_swivel": np.full(count, 0.9)})
-        drives, state = neck.tonic_neck(turned, state)
-        acts.append(np.mean(drives["left elbow extension"] > neck.ARM / 2))
+        drives, state = repertoire.tonic_neck(turned, state)
+        acts.append(np.mean(drives["left elbow extension"] > repertoire.ARM / 2))
     assert np.mean(acts[1000:]) == pytest.approx(0.4, abs=0.03)
 
 
@@ -126,9 +128,9 @@ def test_reflexes_follow_an_infant_that_grows():
     with mimoc.make(mimoc.InfantSpec.model_validate(spec)).unwrapped as env:
         policy = policy_of(env, "reflexes")
         policy(np.random.default_rng(0), env.reset(seed=0)[0])
-        before = dict(policy.reflexes.gains)
+        before = dict(policy.many.gains)
         policy(np.random.default_rng(0), env.grow(to=9))
-        after = policy.reflexes.gains
+        after = policy.many.gains
     assert before["moro"] == 1
     assert "moro" not in after
     assert after["protective_sideways"] == 1
@@ -158,8 +160,23 @@ def test_a_reset_forgets_what_was_sensed(built):
     with mimoc.InfantEnv(built(age_months=1, senses=SENSES)) as env:
         policy, generator = policy_of(env, "reflexes"), np.random.default_rng(0)
         observation, _ = env.reset(seed=0)
-        first = policy.reflexes._state
+        first = policy.many._state
         policy(generator, observation)
-        assert policy.reflexes._state != first
+        assert policy.many._state != first
         policy.reset()
-        assert policy.reflexes._state == first
+        assert policy.many._state == first
+
+
+def row(reflex):
+    """Return the row of a reflex on its page."""
+    onset, loss = reflex.ages.onset_months, reflex.ages.loss_months
+    since = "birth" if onset is None else f"{onset[0]:g} to {onset[1]:g}"
+    until = "stays" if loss is None else f"{loss[0]:g} to {loss[1]:g}"
+    cells = since, until, ", ".join(reflex.senses), reflex.source
+    return f"| `{reflex.name}` | {reflex.stimulus} | {reflex.response} | {' | '.join(cells)} |"
+
+
+def test_the_page_says_of_each_reflex_what_its_record_says():
+    page = Path(__file__).parents[3] / "docs" / "reflexes.md"
+    rows = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    assert sorted(rows) == sorted(map(row, REFLEXES.values()))

@@ -9,8 +9,9 @@ import pytest
 from support import store
 from support.examiner import SENSES, Examiner
 
-from mimoc.policies.policy import batch_of_one
-from mimoc.policies.reflexes.binding import REFLEXES, Reflexes, ReflexPolicy
+from mimoc.policies.policy import OfOne, batch_of_one
+from mimoc.policies.reflexes.binding import Reflexes
+from mimoc.policies.reflexes.repertoire import REFLEXES
 
 Trace = dict[str, np.ndarray]
 MOST_RAD = 0.9
@@ -166,7 +167,7 @@ def examine(trial: Trial, examiner: Examiner, policy: str) -> Trace:
 
 def only(reflex: str) -> Callable:
     """Return the policy that has one reflex."""
-    return lambda env: ReflexPolicy(Reflexes(batch_of_one(env), reflexes={reflex: REFLEXES[reflex]}))
+    return lambda env: OfOne(Reflexes(batch_of_one(env), reflexes={reflex: REFLEXES[reflex]}))
 
 
 @pytest.mark.parametrize("model", ["muscle", "torque"])

@@ -12,7 +12,7 @@ from support.same import assert_same
 
 import mimoc
 from mimoc.base.errors import MimocError, MissingExtraError, UnknownNameError
-from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
+from mimoc.runtime.gymnasium_forms import BatchMismatchError
 
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
 

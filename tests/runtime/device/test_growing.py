@@ -4,8 +4,7 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-from support import store
-from support.devices import CLOSE, DEVICE, assert_close
+from support.devices import CLOSE, DEVICE, FEELING, SITTING, assert_close, infant, random_actions, spec
 from support.scenes_of_objects import spec_with
 
 import mimoc
@@ -14,41 +13,19 @@ from mimoc.runtime.device.bodies import KEYFRAMES, NOT_COMPARED, WorldsError
 from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.env import InfantEnv
 
-SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
 ROOM = {"kind": "room", "toys": {"count": [0, 0]}}
-
-
-def spec(age_months: float, **keys: object) -> mimoc.InfantSpec:
-    data = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys}
-    return mimoc.InfantSpec.model_validate(data)
 
 
 def sitting(age_months: float) -> mimoc.Bundle:
     """Return an infant that sits, in the clothes that it wears at all ages."""
-    scene, senses = {"kind": "flat", "pose": "sitting"}, {**SENSES, "touch": {"density": 0.5}}
-    body = {"looks": {"clothes": "bodysuit"}}
-    return store.built(spec(age_months, body=body, senses=senses, scene=scene, delays={"preset": "physiological"}))
-
-
-@pytest.fixture
-def pair():
-    """Return what makes the same infants on MuJoCo Warp and on the CPU."""
-    made = []
-
-    def make(sources, count=None, **options):
-        made.append(mimoc.make_vec(sources, count, device=DEVICE, **options))
-        made.append(mimoc.make_vec(sources, count, threads=1))
-        return made[-2:]
-
-    yield make
-    for env in made:
-        env.close()
+    body, delays = {"looks": {"clothes": "bodysuit"}}, {"preset": "physiological"}
+    return infant(age_months, senses=FEELING, scene=SITTING, body=body, delays=delays)
 
 
 def assert_same_steps(ours, theirs, count: int, others: float = 30 * CLOSE):
-    generator, space = np.random.default_rng(1), theirs.single_action_space
+    generator = np.random.default_rng(1)
     for _ in range(count):
-        action = generator.uniform(space.low, space.high, theirs.action_space.shape).astype(np.float32)
+        action = random_actions(theirs, generator)
         (seen, reward, *_), (expected, wanted, *_) = ours.step(action), theirs.step(action)
         assert_close(seen, expected, theirs.infants[0], others=others)
         assert reward == pytest.approx(wanted, rel=1e-3, abs=1e-3)
@@ -70,10 +47,9 @@ def test_infants_grow_in_the_midst_of_an_episode_as_on_the_cpu(pair):
     assert [infant.age_months for infant in ours.infants] == [1, 20, 12]
 
 
-def test_grown_infants_have_the_models_of_those_that_were_built_at_that_age():
+def test_grown_infants_have_the_models_of_those_that_were_built_at_that_age(make):
     """Also where all were of one age, so that worlds shared what differs now; later growth keeps places in memory."""
-    grown = mimoc.make_vec(sitting(1), 2, device=DEVICE)
-    fresh = mimoc.make_vec([sitting(9), sitting(12)], device=DEVICE)
+    grown, fresh = make(sitting(1), 2), make([sitting(9), sitting(12)])
     grown.reset(seed=0, options={"age_months": [6, 7]})
     places = {name: getattr(grown.worlds.model, name).ptr for name in ("geom_size", "body_mass", "dof_damping")}
     ours = grown.reset(seed=0, options={"age_months": [9, 12]})[0]
@@ -87,7 +63,6 @@ def test_grown_infants_have_the_models_of_those_that_were_built_at_that_age():
     for _ in range(2):
         assert all(ours[name] == pytest.approx(theirs[name], abs=CLOSE) for name in theirs)
         ours, theirs = (env.step(np.ones(env.action_space.shape, np.float32))[0] for env in (grown, fresh))
-    grown.close(), fresh.close()
 
 
 def test_what_lies_around_what_is_held_and_the_task_stay_when_infants_grow(pair):
@@ -96,7 +71,7 @@ def test_what_lies_around_what_is_held_and_the_task_stay_when_infants_grow(pair)
     Where parts just touch after they were parted, forces differ in the third digit, as contacts are 0.1 mm deep then.
     """
     held = {"scene": {"held": ["hip"], "pose": "sitting"}, "actuation": {"locked": ["neck"]}}
-    ours, theirs = pair(store.built(spec(12, task={"kind": "reach"}, **held)), 2, starts=3)
+    ours, theirs = pair(infant(12, task={"kind": "reach"}, **held), 2, starts=3)
     for envs in (ours, theirs):
         envs.reset(seed=0)
         envs.set_arousal([0.3, 1.2])
@@ -109,9 +84,9 @@ def test_what_lies_around_what_is_held_and_the_task_stay_when_infants_grow(pair)
     assert_same_steps(ours, theirs, 4, others=300 * CLOSE)
 
 
-def test_infants_that_cannot_grow_are_told_and_stay_as_they_are():
+def test_infants_that_cannot_grow_are_told_and_stay_as_they_are(make):
     """A crib of another age has other bars; infants that were opened by their class have no spec."""
-    envs = mimoc.make_vec(spec(3, scene={"kind": "crib"}), 2, device=DEVICE)
+    envs = make(spec(3, scene={"kind": "crib"}), 2)
     envs.reset(seed=0)
     before = envs.get_state()
     for ages, error, text in (
@@ -127,7 +102,6 @@ def test_infants_that_cannot_grow_are_told_and_stay_as_they_are():
     after = envs.get_state()
     assert [state["age_months"] for state in after] == [3, 3]
     assert all((a["physics"]["qpos"] == b["physics"]["qpos"]).all() for a, b in zip(before, after, strict=True))
-    envs.close()
     alone = DeviceEnv([InfantEnv(sitting(9))], device=DEVICE.removeprefix("warp:"))
     with pytest.raises(MimocError, match=r"make them by mimoc\.make_vec"):
         alone.grow(10)

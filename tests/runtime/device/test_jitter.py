@@ -3,23 +3,18 @@
 import numpy as np
 import torch
 from hypothesis import given, settings, strategies as st
-from support import store
-from support.devices import DEVICE
+from support.devices import infant, random_actions
 
 import mimoc
 from mimoc.base.random_streams import stream
-from mimoc.runtime.delays.signals import Delay, DelayedCommands, DelayedSamples
+from mimoc.runtime.delays import Delay, DelayedCommands, DelayedSamples
 from mimoc.runtime.device.arrays import put
-from mimoc.runtime.device.lines import DelayLine, Delays
-from mimoc.runtime.device.noise import CounterRandom
+from mimoc.runtime.device.signals import CounterRandom, DelayLine, Delays
 from mimoc.runtime.noise import NoiseStreams
-
-SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
 
 
 def jittered(age_months: float) -> mimoc.Bundle:
-    keys = {"delays": {"preset": "physiological"}, "noise": {"delay_jitter_ms": 10}}
-    return store.built({"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys})
+    return infant(age_months, delays={"preset": "physiological"}, noise={"delay_jitter_ms": 10})
 
 
 def drawn_as_on_the_cpu(line: DelayLine, signal: str, streams: list) -> object:
@@ -39,11 +34,9 @@ def drawn_as_on_the_cpu(line: DelayLine, signal: str, streams: list) -> object:
     return draw
 
 
-def test_delays_vary_as_on_the_cpu_to_the_physics_step_if_the_same_numbers_are_drawn():
+def test_delays_vary_as_on_the_cpu_to_the_physics_step_if_the_same_numbers_are_drawn(pair):
     """Those of senses and of commands, of arms and of legs, at two ages."""
-    bundles = [jittered(1), jittered(20)]
-    ours, theirs = mimoc.make_vec(bundles, device=DEVICE), mimoc.make_vec(bundles, threads=1)
-    streams = [{}, {}]
+    (ours, theirs), streams = pair([jittered(1), jittered(20)]), [{}, {}]
 
     def draw_as_on_the_cpu() -> dict[str, DelayLine]:
         lines = {name: sense.line for name, sense in ours.worlds.bound.senses.items()}
@@ -59,14 +52,13 @@ def test_delays_vary_as_on_the_cpu_to_the_physics_step_if_the_same_numbers_are_d
         if step == 12:  # To ages with the same delays.
             ours.grow([1.2, 19.8]), theirs.grow([1.2, 19.8])
             lines = draw_as_on_the_cpu()
-        action = generator.uniform(-1, 1, theirs.action_space.shape).astype(np.float32)
+        action = random_actions(theirs, generator)
         seen, expected = ours.step(action)[0], theirs.step(action)[0]
         errors = np.abs(seen["proprioception"] - expected["proprioception"])
         assert errors[:, angles].max() < 1e-4
         assert np.abs(seen["vestibular"] - expected["vestibular"]).max() < 3e-3
         deviations.update(lines["proprioception"].deviations.cpu().numpy().ravel().tolist())
     assert deviations == {-2, -1, 0, 1, 2}
-    ours.close(), theirs.close()
 
 
 def line_of(delay: int, jitter: int, period: int, uniforms: object, are_commands: bool = False) -> DelayLine:

@@ -1,4 +1,4 @@
-"""Noise on MuJoCo Warp depends on nothing but the seed of its world; its terms are those of `tests/runtime/noise`."""
+"""Noise on MuJoCo Warp depends on nothing but the seed of its world; its terms are those of the CPU."""
 
 import math
 from dataclasses import dataclass
@@ -7,33 +7,19 @@ from typing import Literal
 import numpy as np
 import pytest
 import torch
-from support.devices import DEVICE
+from support.devices import SITTING, sitting, spec, still
 
 import mimoc
 from mimoc.compiler.mjcf.scene import Placed
 from mimoc.runtime.device.arrays import put
-from mimoc.runtime.device.noise import CounterRandom
+from mimoc.runtime.device.signals import CounterRandom
 from mimoc.runtime.noise import LowPass, Noise
-from mimoc.runtime.senses import TermSense
+from mimoc.runtime.sense import TermSense
 from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
 from mimoc.schema.kinds import NoiseOption, SenseKind
 
 NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "vestibular_thresholds": 1.0, "touch_n": 0.5}
-SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
-
-
-def build(**keys: object) -> mimoc.Bundle:
-    """Return an infant with the kernels of those in `test_worlds`."""
-    spec = {
-        "mimoc": 1,
-        "name": "infant",
-        "age_months": 9,
-        "senses": {**SENSES, "touch": {"density": 0.5}},
-        "scene": {"kind": "flat", "pose": "sitting"},
-        **keys,
-    }
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 
 def test_random_numbers_are_normal_and_independent_of_each_other():
@@ -64,11 +50,11 @@ def test_random_numbers_follow_the_seed_of_a_world_alone():
     assert torch.equal(one.normals(0, (3, 40))[0], theirs[2])
 
 
-def test_noise_depends_on_the_seed_alone_and_leaves_a_still_infant_near_the_truth():
-    noisy = mimoc.make_vec(build(noise=NOISE), 3, device=DEVICE, touch="bodies")
+def test_noise_depends_on_the_seed_alone_and_leaves_a_still_infant_near_the_truth(make):
+    noisy = make(sitting(noise=NOISE), 3, touch="bodies")
     exact = noisy.infants[0]
     exact.reset(seed=0)
-    command = np.zeros(noisy.action_space.shape, np.float32)
+    command = still(noisy)
     first = [noisy.reset(seed=[1, 2, 2])[0], noisy.step(command)[0]]
     again = [noisy.reset(seed=[7, 2, 1])[0], noisy.step(command)[0]]
     angles = [index for index, name in enumerate(exact.layout("proprioception")) if name.endswith("[rad]")]
@@ -81,7 +67,6 @@ def test_noise_depends_on_the_seed_alone_and_leaves_a_still_infant_near_the_trut
         errors = ours["proprioception"][:2, angles] - truth
         assert 0.5 < errors.std() / math.radians(2) < 1.5
         assert (ours["proprioception"][0] != ours["proprioception"][1]).any()
-    noisy.close()
 
 
 class PlaceSpec(Model):
@@ -125,12 +110,11 @@ PLACE = SenseKind(
 )
 
 
-def test_noise_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):
+def test_noise_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered, make):
     """Over the first observations of 40 seeds, and in the step after each."""
     with registered(PLACE):
-        bundle = build(senses={"place": {}}, noise={"place_m": 0.1})
-        one, many = mimoc.make(bundle), mimoc.make_vec(bundle, 40, threads=1)
-        device = mimoc.make_vec(bundle, 40, device=DEVICE)
+        bundle = mimoc.build(spec(senses={"place": {}}, scene=SITTING, noise={"place_m": 0.1}))
+        one, many, device = mimoc.make(bundle), make(bundle, 40, device="cpu", threads=1), make(bundle, 40)
         true = one.unwrapped.data.qpos[:3]
         command = np.zeros(one.action_space.shape, np.float32)
         errors = [np.array([one.reset(seed=seed)[0]["place"] for seed in range(40)]) - true]
@@ -141,4 +125,4 @@ def test_noise_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(register
             assert correlation == pytest.approx(math.exp(-10 / 60), abs=0.2)
         assert np.array_equal(errors[0], errors[1])
         assert [error.std() for error in errors] == pytest.approx([0.1] * 3, rel=0.25)
-        one.close(), many.close(), device.close()
+        one.close()

@@ -5,9 +5,8 @@ from typing import Any
 import mujoco_warp as mjw
 import numpy as np
 import pytest
-from support.devices import DEVICE
+from support.devices import break_down, infant, random_actions, sitting, still
 
-import mimoc
 from mimoc.runtime.device import capacity, simulation as worlds
 from mimoc.runtime.device.capacity import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING, PAIRS, ROWS, Capacity, Room
 from mimoc.runtime.device.signals import DeviceError
@@ -16,41 +15,18 @@ from mimoc.runtime.device.vector_env import DeviceEnv
 CLOSE = 3e-3
 NEFC = int(mjw.OverflowType.NEFC)
 ENOUGH = {"contacts": 100, "constraints": 200}
-SENSES = {
-    "proprioception": {"include": ["velocity", "torque", "limits", "actuation"]},
-    "vestibular": {},
-    "touch": {"density": 0.5},
-}
-
-
-def sitting(age_months: float, **keys: Any) -> mimoc.Bundle:
-    """Return an infant with the kernels of those in `test_worlds`."""
-    return build(age_months=age_months, senses=SENSES, scene={"kind": "flat", "pose": "sitting"}, **keys)
-
-
-def build(**keys: Any) -> mimoc.Bundle:
-    senses = {"proprioception": SENSES["proprioception"], "vestibular": {}}
-    return mimoc.build(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "infant", "senses": senses, **keys}))
 
 
 @pytest.fixture
-def make():
-    """Return what makes infants on the device, and closes them in the end."""
-    made: list[DeviceEnv] = []
+def begun(make):
+    """Return what makes infants on the device and resets them."""
 
-    def made_of(bundles: Any, count: int | None = None, **options: Any) -> DeviceEnv:
-        env: Any = mimoc.make_vec(bundles, count, device=DEVICE, **options)
-        made.append(env)
+    def reset(*arguments: Any, **options: Any) -> DeviceEnv:
+        env = make(*arguments, **options)
         env.reset(seed=0)
         return env
 
-    yield made_of
-    for env in made:
-        env.close()
-
-
-def still(env: DeviceEnv) -> np.ndarray:
-    return np.zeros(env.action_space.shape, np.float32)
+    return reset
 
 
 def set_flags(env: DeviceEnv, *flags: int) -> None:
@@ -58,9 +34,9 @@ def set_flags(env: DeviceEnv, *flags: int) -> None:
     env.worlds.data.overflow.assign(np.array(flags, np.int32))
 
 
-def test_flags_that_lose_nothing_are_counted_and_cleared(make):
+def test_flags_that_lose_nothing_are_counted_and_cleared(begun):
     """For 5 to 9 million control steps of thousands, one of them was enough to end everything."""
-    env = make(sitting(9), 2, **ENOUGH)
+    env = begun(sitting(9), 2, **ENOUGH)
     before = env.room
     for step in range(3):
         set_flags(env, HARMLESS, 0)
@@ -85,9 +61,9 @@ def test_every_flag_is_counted_and_either_loses_contacts_or_does_not():
 
 
 @pytest.mark.parametrize("given", [{"contacts": 2}, {"constraints": 25}])
-def test_infants_whose_contacts_do_not_fit_begin_anew_with_more_room(make, given):
+def test_infants_whose_contacts_do_not_fit_begin_anew_with_more_room(begun, given):
     """And then move as those do that had enough from the start."""
-    ours, theirs = make(sitting(9), 2, **{**ENOUGH, **given}), make(sitting(9), 2, **ENOUGH)
+    ours, theirs = begun(sitting(9), 2, **{**ENOUGH, **given}), begun(sitting(9), 2, **ENOUGH)
     before = ours.room
     *_, terminated, truncated, info = ours.step(still(ours))
     assert info["overflowed"].tolist() == truncated.tolist() == [True, True]
@@ -115,26 +91,25 @@ def assert_same(seen: Any, expected: Any, infants: Any = slice(None)) -> None:
         assert errors[infants].max() < CLOSE, name
 
 
-def reaching(age_months: float) -> mimoc.Bundle:
+def reaching(age_months: float) -> Any:
     noise = {"motor": 0.1, "proprioception_deg": 1.0}
-    return build(age_months=age_months, task={"kind": "reach"}, noise=noise, delays={"sensory_ms": 20, "motor_ms": 10})
+    return infant(age_months, task={"kind": "reach"}, noise=noise, delays={"sensory_ms": 20, "motor_ms": 10})
 
 
-def test_all_others_go_on_as_if_there_had_been_enough_room_from_the_start(make):
+def test_all_others_go_on_as_if_there_had_been_enough_room_from_the_start(begun):
     """Their states, delays, noise, rewards, steps to the end of the episode and later starts.
 
     Those of 18 months do not have the rows that they need at first; then the room grows twice.
     """
     options = {"autoreset_mode": "SameStep", "max_episode_steps": 6, "starts": 3}
     bundles = [reaching(12), reaching(18)]
-    ours, theirs = make(bundles, 4, **options, contacts=60, constraints=100), make(bundles, 4, **options)
+    ours, theirs = begun(bundles, 4, **options, contacts=60, constraints=100), begun(bundles, 4, **options)
     generator = np.random.default_rng(0)
     others, lost = [0, 2], {0: [False, True, False, True], 3: [False, True, False, False]}
     for step in range(14):
         if step == 3:
             set_flags(ours, 0, NEFC, 0, 0)
-        space = ours.action_space
-        command = 0.5 * generator.uniform(space.low, space.high).astype(np.float32)
+        command = 0.5 * random_actions(ours, generator)
         seen, rewards, terminated, truncated, info = ours.step(command)
         expected, wanted, ends, cuts, rest = theirs.step(command)
         assert_same(seen, expected, others)
@@ -149,12 +124,12 @@ def test_all_others_go_on_as_if_there_had_been_enough_room_from_the_start(make):
     assert ours.overflows["nefc"] == 3
 
 
-def test_room_grows_before_anything_is_lost(make):
+def test_room_grows_before_anything_is_lost(begun):
     """Hands are on thighs at the end of the first control step, not before."""
-    env = make(sitting(12), 2, **ENOUGH)
+    env = begun(sitting(12), 2, **ENOUGH)
     env.step(still(env))
     rows = int(env.worlds.data.nefc.numpy().max())
-    short = make(sitting(12), 2, contacts=100, constraints=rows + 4)
+    short = begun(sitting(12), 2, contacts=100, constraints=rows + 4)
     for _ in range(3):
         *_, truncated, info = short.step(still(short))
         assert not truncated.any()
@@ -163,9 +138,9 @@ def test_room_grows_before_anything_is_lost(make):
     assert short.room.contacts == 100
 
 
-def test_where_room_cannot_grow_many_that_lose_contacts_are_an_error_and_few_are_not(make, monkeypatch):
+def test_where_room_cannot_grow_many_that_lose_contacts_are_an_error_and_few_are_not(begun, monkeypatch):
     monkeypatch.setattr(capacity, "LARGEST", 0.01)
-    env = make(sitting(9), 2, contacts=2, constraints=200)
+    env = begun(sitting(9), 2, contacts=2, constraints=200)
     env.step(still(env))
     with pytest.raises(
         DeviceError, match=r"of 2 infants, such as 0, .* no more room than contacts=2 and constraints=200"
@@ -177,8 +152,8 @@ def test_where_room_cannot_grow_many_that_lose_contacts_are_an_error_and_few_are
     assert env.room == Capacity(2, 200)
 
 
-def test_memory_that_does_not_do_is_a_limit_and_other_errors_are_raised(make, monkeypatch):
-    env = make(sitting(9), 2, contacts=2, constraints=200)
+def test_memory_that_does_not_do_is_a_limit_and_other_errors_are_raised(begun, monkeypatch):
+    env = begun(sitting(9), 2, contacts=2, constraints=200)
 
     def refuse(*arguments: Any) -> None:
         raise RuntimeError(said)
@@ -188,7 +163,7 @@ def test_memory_that_does_not_do_is_a_limit_and_other_errors_are_raised(make, mo
     env.step(still(env))
     with pytest.raises(DeviceError, match="no more room than contacts=2"):
         env.step(still(env))
-    again = make(sitting(9), 2, contacts=2, constraints=200)
+    again = begun(sitting(9), 2, contacts=2, constraints=200)
     again.step(still(again))
     said = "something else"
     with pytest.raises(RuntimeError, match=said):
@@ -218,11 +193,9 @@ def reported(pairs: int = 0, rows: int = 0, **flags: int) -> np.ndarray:
     return report
 
 
-def test_an_unstable_infant_needs_no_room(make):
-    env = make(sitting(9), 2, **ENOUGH)
-    speeds = env.worlds.data.qvel.numpy()
-    speeds[0] = 1e12
-    env.worlds.data.qvel.assign(speeds)
+def test_an_unstable_infant_needs_no_room(begun):
+    env = begun(sitting(9), 2, **ENOUGH)
+    break_down(env)
     set_flags(env, NEFC, 0)
     *_, terminated, truncated, info = env.step(still(env))
     assert terminated.tolist() == info["unstable"].tolist() == [True, False]
@@ -232,13 +205,12 @@ def test_an_unstable_infant_needs_no_room(make):
     assert env.room == Capacity(**ENOUGH)
 
 
-def test_the_room_at_first_is_more_than_what_infants_need_that_move_at_random(make):
-    env = make(sitting(9), 2)
+def test_the_room_at_first_is_more_than_what_infants_need_that_move_at_random(begun):
+    env = begun(sitting(9), 2)
     generator = np.random.default_rng(0)
     first = env.room
     for _ in range(6):
-        space = env.action_space
-        assert not env.step(generator.uniform(space.low, space.high).astype(np.float32))[-1]["overflowed"].any()
+        assert not env.step(random_actions(env, generator))[-1]["overflowed"].any()
     assert env.room == first
     assert capacity.SPARE_CONTACTS < capacity.LARGEST
     assert capacity.FULL < 1

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 import torch
-from support import store
-from support.devices import DEVICE
+from support.devices import DEVICE, infant
 
 import mimoc
 from mimoc.base.errors import PolicyError
@@ -18,9 +17,8 @@ MANY = [name for name in POLICIES if POLICIES[name].many]
 
 @pytest.fixture(scope="module")
 def bundles():
-    spec = {"mimoc": 1, "name": "infant", "actuation": {"model": "muscle"}, "senses": SENSES}
-    scene = {"kind": "flat", "pose": "supine"}
-    return [store.built({**spec, "age_months": age, "scene": scene}) for age in AGES_MONTHS]
+    keys = {"actuation": {"model": "muscle"}, "senses": SENSES, "scene": {"kind": "flat", "pose": "supine"}}
+    return [infant(age, **keys) for age in AGES_MONTHS]
 
 
 @pytest.fixture(scope="module", params=["torch", "numpy"])
@@ -60,8 +58,8 @@ def test_actions_on_a_device_are_those_of_the_cpu_for_the_same_observations(bund
 
 
 @pytest.mark.slow
-def test_reflexes_read_the_sums_of_touch_on_bodies(bundles):
-    envs = mimoc.make_vec(bundles, 2, device=DEVICE, arrays="torch", touch="bodies")
+def test_reflexes_read_the_sums_of_touch_on_bodies(bundles, make):
+    envs = make(bundles, 2, arrays="torch", touch="bodies")
     policy = mimoc.policy_vec("reflexes", envs)
     observations, _ = envs.reset(seed=0)
     touched = dict(observations)
@@ -74,7 +72,6 @@ def test_reflexes_read_the_sums_of_touch_on_bodies(bundles):
     fingers = [item.name for item in envs.infants[0].manifest.actuation.actuators].index("act:right_fingers_negative")
     assert (actions[0, fingers] > 0.5).item()
     assert (actions[1, fingers] == 0).item()  # The infant of nine months has lost the reflex.
-    envs.close()
 
 
 @pytest.mark.slow

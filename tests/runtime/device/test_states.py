@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from gymnasium.error import ClosedEnvironmentError
 from support import store
-from support.devices import DEVICE, WARP_DEVICE
+from support.devices import DEVICE, WARP_DEVICE, random_actions
 
 import mimoc
 from mimoc.runtime.device.arrays import put
-from mimoc.runtime.device.initial_states import InitialStates
+from mimoc.runtime.device.episodes import InitialStates
 
 EXACT = WARP_DEVICE == "cpu"
 """Whether sums do not depend on the order of threads."""
@@ -42,9 +42,9 @@ def envs():
     made.close()
 
 
-def commands(envs, count: int, seed: int = 0) -> np.ndarray:
-    generator, space = np.random.default_rng(seed), envs.single_action_space
-    return generator.uniform(space.low, space.high, (count, *envs.action_space.shape)).astype(np.float32)
+def commands(envs, count: int, seed: int = 0) -> list[np.ndarray]:
+    generator = np.random.default_rng(seed)
+    return [random_actions(envs, generator) for _ in range(count)]
 
 
 def lived(envs, actions) -> list:
@@ -97,8 +97,8 @@ def test_a_state_brings_its_age_and_starts_without_seeds_go_on_as_well(envs):
     assert (envs.reset()[0]["proprioception"] == starts).all()
 
 
-def test_the_state_of_one_infant_can_be_given_to_others():
-    envs = mimoc.make_vec(infant(9), 3, device=DEVICE, starts=3)
+def test_the_state_of_one_infant_can_be_given_to_others(make):
+    envs = make(infant(9), 3, starts=3)
     envs.reset(seed=0)
     lived(envs, commands(envs, 3))
     envs.set_state([envs.get_state()[1]] * 3)

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import gymnasium
 import numpy as np
 import pytest
-from support.devices import DEVICE
+from support.devices import SITTING, infant, random_actions, spec, still
 
 import mimoc
 from mimoc.base.errors import KindError
@@ -21,10 +21,6 @@ from mimoc.schema.kinds import TaskKind
 from mimoc.schema.task import TaskEntry, TaskSpec
 
 STEPS = 6
-SENSES: dict[str, Any] = {
-    "proprioception": {"include": ["velocity", "torque", "limits", "actuation"]},
-    "vestibular": {},
-}
 
 
 class HoldSpec(TaskSpec):
@@ -93,32 +89,21 @@ HOLD = TaskKind(
 )
 
 
-def build(age_months: float, **keys: Any) -> mimoc.Bundle:
-    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES, **keys}
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
-
-
-def actions(env: Any, generator: np.random.Generator) -> np.ndarray:
-    space = env.action_space
-    return generator.uniform(space.low, space.high).astype(np.float32)
-
-
 @pytest.mark.parametrize("is_plugin", [True, False], ids=["a plug-in's record", "a script's object"])
-def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(registered, is_plugin):
+def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(registered, make, is_plugin):
     """To the bit on one and on many, within the rounding of 32 bits on a device; also what it changes in the model."""
     with registered(HOLD):
         options = {} if is_plugin else {"task": HoldTask(STEPS)}
         task = {"task": {"kind": "hold", "steps": STEPS}} if is_plugin else {}
-        bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}, **task) for age in (9, 12)]
-        many: Any = mimoc.make_vec(bundles, threads=1, **options)
-        device: Any = mimoc.make_vec(bundles, device=DEVICE, starts=2, **options)
+        bundles = [mimoc.build(spec(age, scene=SITTING, **task)) for age in (9, 12)]
+        many, device = make(bundles, device="cpu", threads=1, **options), make(bundles, starts=2, **options)
         alone = [mimoc.InfantEnv(bundle, **({} if is_plugin else {"task": HoldTask(STEPS)})) for bundle in bundles]
         begun = [env.reset(seed=seed)[0]["height"] for seed, env in enumerate(alone)]
         assert np.array_equal(many.reset(seed=0)[0]["height"], begun)
         assert device.reset(seed=0)[0]["height"] == pytest.approx(np.array(begun))
         generator = np.random.default_rng(0)
         for _ in range(STEPS - 1):
-            command = 0.5 * actions(many, generator)
+            command = 0.5 * random_actions(many, generator)
             each = [env.step(action) for env, action in zip(alone, command, strict=True)]
             _, rewards, terminated, truncated, info = many.step(command)
             on_device = device.step(command)
@@ -136,12 +121,12 @@ def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(r
         assert lightness != [0.1, 0.1]
         device.step(command)
         assert device.worlds.model.body_gravcomp.numpy()[:, head] == pytest.approx(0.1)
-        for env in (many, device, *alone):
+        for env in alone:
             env.close()
 
 
-def test_a_single_world_takes_over_what_a_start_sets_in_the_model():
-    env: Any = mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 1, device=DEVICE, task=HoldTask())
+def test_a_single_world_takes_over_what_a_start_sets_in_the_model(make):
+    env = make(infant(9, scene=SITTING), 1, task=HoldTask())
     env.reset(seed=0)
     lightness = env.worlds.model.body_gravcomp
     lightness.fill_(0.7)
@@ -149,7 +134,6 @@ def test_a_single_world_takes_over_what_a_start_sets_in_the_model():
     head = env.infants[0].task.model_fields[0].rows
     assert lightness.numpy()[0, head] == pytest.approx(0.1)
     assert (np.delete(lightness.numpy()[0], head) == np.float32(0.7)).all()
-    env.close()
 
 
 @dataclass(frozen=True)
@@ -169,10 +153,10 @@ class MonthsTask(Task):
         self.term = Months(round(bundle.manifest.child.age_months))
 
 
-def test_infants_whose_tasks_differ_in_what_worlds_share_are_refused():
-    bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}) for age in (9, 12)]
+def test_infants_whose_tasks_differ_in_what_worlds_share_are_refused(make):
+    bundles = [infant(age, scene=SITTING) for age in (9, 12)]
     with pytest.raises(DeviceError, match="the tasks of these infants differ in 'months'"):
-        mimoc.make_vec(bundles, device=DEVICE, task=MonthsTask())
+        make(bundles, task=MonthsTask())
 
 
 class Blinking(MonthsTask):
@@ -184,9 +168,9 @@ class Blinking(MonthsTask):
         return {"light": np.ones(1, np.float32)}
 
 
-def test_an_observation_that_is_not_remembered_is_refused_instead_of_left_out():
+def test_an_observation_that_is_not_remembered_is_refused_instead_of_left_out(make):
     with pytest.raises(DeviceError, match="the task observes 'light' without remembering it"):
-        mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 2, device=DEVICE, task=Blinking())
+        make(infant(9, scene=SITTING), 2, task=Blinking())
 
 
 @dataclass(frozen=True)
@@ -205,20 +189,17 @@ class Flat(Term):
         return Judgement({"height": worlds.xpos[:1, 1, 2]})
 
 
-def test_rewards_are_finite_numbers_of_each_infant():
+def test_rewards_are_finite_numbers_of_each_infant(make):
     """The step after it tells of a NaN, as reading it at once would stop the device; shapes are known at once."""
-    infant = build(9, scene={"kind": "flat", "pose": "sitting"})
-    envs = mimoc.make_vec(infant, 2, device=DEVICE, task=Task(term=Broken()))
+    envs = make(infant(9, scene=SITTING), 2, task=Task(term=Broken()))
     envs.reset(seed=0)
-    actions = np.zeros(envs.action_space.shape, np.float32)
+    actions = still(envs)
     envs.step(actions)
     with pytest.raises(DeviceError, match=r"task mimoc\.runtime\.task:Task: the last reward of infant 1 was no finite"):
         envs.step(actions)
     with pytest.raises(TypeError, match="infants on a device cannot be copied or pickled"):
         copy.deepcopy(envs)
-    envs.close()
-    envs = mimoc.make_vec(infant, 2, device=DEVICE, task=Task(term=Flat()))
+    envs = make(infant(9, scene=SITTING), 2, task=Task(term=Flat()))
     envs.reset(seed=0)
     with pytest.raises(KindError, match=r"the term .*test_tasks:Flat: the term 'height' of its reward"):
         envs.step(actions)
-    envs.close()

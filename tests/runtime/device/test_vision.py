@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 import warp as wp
-from support.devices import DEVICE
+from support.devices import DEVICE, break_down, infant, random_actions, still
 
 import mimoc
 from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.device import Filters, NoVision, flat_picture
 from mimoc.components.senses.vision.filters import Persistence
 from mimoc.components.senses.vision.run import filters, perceive
-from mimoc.runtime.array_library import NUMPY
-from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.signals import DeviceError
+from mimoc.runtime.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.term import stack_terms
+from mimoc.runtime.worlds import NUMPY
 
 EYES = ("eye_left", "eye_right")
 WIDTH, HEIGHT = 40, 32
@@ -26,15 +26,10 @@ ROUNDING = 0.01
 
 def build(age_months: float, **vision: object) -> mimoc.Bundle:
     """Return an infant that reaches; with the same senses as others in these tests, so that few kernels are needed."""
-    spec = {
-        "mimoc": 1,
-        "name": "infant",
-        "age_months": age_months,
-        "senses": {"proprioception": {}, "vestibular": {}, "vision": {**SIZE, "body": "solids", **vision}},
-        "task": {"kind": "reach"},
-        "delays": {"vision_ms": 30 if age_months > 12 else 15},
-    }
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    senses = {"proprioception": {}, "vestibular": {}, "vision": {**SIZE, "body": "solids", **vision}}
+    return infant(
+        age_months, senses=senses, task={"kind": "reach"}, delays={"vision_ms": 30 if age_months > 12 else 15}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -74,8 +69,7 @@ def test_infants_of_two_ages_see_the_ball_as_on_the_cpu_with_delays_acuity_and_f
     first = seen
     generator = np.random.default_rng(0)
     for step in range(7):
-        space = theirs.single_action_space
-        command = generator.uniform(space.low, space.high, theirs.action_space.shape).astype(np.float32)
+        command = random_actions(theirs, generator)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
         if step < 2:  # Of the older infant, nothing has arrived yet.
             assert (
@@ -109,10 +103,8 @@ def test_an_episode_begins_with_what_is_seen_at_its_start(pair):
 def test_an_infant_whose_simulation_breaks_down_is_not_in_the_way_of_what_others_see(pair):
     ours, _ = pair
     ours.reset(seed=0)
-    speeds = ours.worlds.data.qvel.numpy()
-    speeds[0] = 1e12
-    ours.worlds.data.qvel.assign(speeds)
-    seen, _, terminated, _, info = ours.step(np.zeros(ours.action_space.shape, np.float32))
+    break_down(ours)
+    seen, _, terminated, _, info = ours.step(still(ours))
     assert info["unstable"].tolist() == terminated.tolist() == [True, False]
     assert np.ptp(seen["eye_left"], axis=(1, 2, 3)).min() > 100
 
@@ -184,27 +176,27 @@ def test_a_cubes_texture_becomes_a_picture_by_longitude_and_latitude():
     assert (around == around[0]).all()
 
 
-def test_eyes_of_different_sizes_cannot_share_a_batch():
-    with pytest.raises(BatchMismatchError, match=r"vision.supersample \(1, 2\)"):
-        mimoc.make_vec([build(12), build(12, supersample=2)], device=DEVICE)
-
-
-def test_eyes_out_of_focus_are_refused_in_one_line():
-    with pytest.raises(
-        DeviceError, match=r"infant 0: eyes that are out of focus \('senses.vision.focus'\) do not run on"
-    ):
-        mimoc.make_vec([build(1, focus="age")], device=DEVICE)
-
-
-def test_skins_are_refused_in_one_line_since_nothing_draws_them():
-    with pytest.raises(DeviceError, match=r"infant 0: MuJoCo Warp draws no skins, so eyes see solids on a device"):
-        mimoc.make_vec([build(1, body="skin")], device=DEVICE)
+@pytest.mark.parametrize(
+    ("eyes", "error", "text"),
+    [
+        ([{}, {"supersample": 2}], BatchMismatchError, r"vision.supersample \(1, 2\)"),
+        (
+            [{"focus": "age"}],
+            DeviceError,
+            r"infant 0: eyes that are out of focus \('senses.vision.focus'\) do not run on",
+        ),
+        ([{"body": "skin"}], DeviceError, r"infant 0: MuJoCo Warp draws no skins, so eyes see solids on a device"),
+    ],
+)
+def test_eyes_that_a_device_cannot_have_are_refused_in_one_line(make, eyes, error, text):
+    with pytest.raises(error, match=text):
+        make([build(12 if len(eyes) > 1 else 1, **keys) for keys in eyes])
 
 
 @pytest.mark.slow
-def test_pictures_of_a_newborn_lag_behind_by_the_filter_of_the_cpu():
+def test_pictures_of_a_newborn_lag_behind_by_the_filter_of_the_cpu(make):
     """What flickers is seen as by the CPU's filter of what an infant sees that has none."""
-    slow, fast = (mimoc.make_vec([build(1, acuity="off", **keys)], device=DEVICE) for keys in ({"flicker": 1}, {}))
+    slow, fast = (make([build(1, acuity="off", **keys)]) for keys in ({"flicker": 1}, {}))
     slow.reset(seed=0), fast.reset(seed=0)
     persist, state = stack_terms([Persistence(np.array([2.0]))]), None
     command = np.ones(slow.action_space.shape, np.float32)
@@ -213,4 +205,3 @@ def test_pictures_of_a_newborn_lag_behind_by_the_filter_of_the_cpu():
         seen, state = persist(NUMPY, slow.infants[0].manifest.step_ms / 1000 if step else np.inf, sharp, state)
     apart = [np.abs(lagging.astype(int) - other).mean() for other in (seen, sharp)]
     assert apart[0] < 0.3 * apart[1]
-    slow.close(), fast.close()

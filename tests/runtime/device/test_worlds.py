@@ -1,65 +1,37 @@
-"""Infants on MuJoCo Warp, by default on its CPU device, sense and earn what they do on the CPU.
-
-Warp compiles its kernels once for each kind of model, so these tests share few of them.
-"""
+"""Infants on MuJoCo Warp, by default on its CPU device, sense and earn what they do on the CPU."""
 
 from dataclasses import dataclass, replace
-from functools import cache
 
 import gymnasium
 import numpy as np
 import pytest
 import torch
 from gymnasium.error import ClosedEnvironmentError
-from support.devices import CLOSE, DEVICE, WARP_DEVICE, assert_close
+from support.devices import (
+    CLOSE,
+    DEVICE,
+    WARP_DEVICE,
+    assert_close,
+    break_down,
+    infant,
+    random_actions,
+    sitting,
+    spec,
+    still,
+)
 
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.components.actuation.run import bind_torque as bind
-from mimoc.runtime.batch.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.device.bodies import WorldsError
 from mimoc.runtime.device.signals import DeviceError
 from mimoc.runtime.device.vector_env import DeviceEnv
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.gymnasium_forms import BatchMismatchError
 from mimoc.runtime.term import Term
 from mimoc.schema.kinds import ActuationKind
 
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
-ALL = {"include": ["velocity", "torque", "limits", "actuation"]}
-SENSES = {"proprioception": ALL, "vestibular": {}, "touch": {"density": 0.5}}
-
-
-@cache
-def bundle(age_months: float, **keys: object) -> mimoc.Bundle:
-    return build(age_months=age_months, senses=SENSES, scene={"kind": "flat", "pose": "sitting"})
-
-
-def build(**keys: object) -> mimoc.Bundle:
-    spec = {"mimoc": 1, "name": "infant", "senses": {"proprioception": ALL, "vestibular": {}}, **keys}
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
-
-
-@pytest.fixture
-def pair():
-    """Return what makes the same infants on MuJoCo Warp and on the CPU."""
-    made = []
-
-    def make(bundles, count=None, **options):
-        both = (
-            mimoc.make_vec(bundles, count, device=DEVICE, **options),
-            mimoc.make_vec(bundles, count, threads=1, **{name: options[name] for name in options.keys() & {"senses"}}),
-        )
-        made.extend(both)
-        return both
-
-    yield make
-    for env in made:
-        env.close()
-
-
-def actions(env, generator: np.random.Generator) -> np.ndarray:
-    space = env.single_action_space
-    return generator.uniform(space.low, space.high, env.action_space.shape).astype(np.float32)
 
 
 @pytest.mark.slow
@@ -68,11 +40,11 @@ def test_infants_of_seven_ages_at_once_feel_what_they_do_on_the_cpu(pair):
 
     With the commands of seed 0, an elbow meets the trunk in the third step by less than float32 tells, on one of both.
     """
-    ours, theirs = pair([bundle(age) for age in AGES_MONTHS], touch="points")
+    ours, theirs = pair([sitting(age) for age in AGES_MONTHS], touch="points")
     (seen, _), (expected, _) = ours.reset(seed=3), theirs.reset(seed=3)
     generator = np.random.default_rng(1)
     for _ in range(10):
-        command = actions(theirs, generator)
+        command = random_actions(theirs, generator)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
         assert seen.keys() == expected.keys()
         assert_close(seen, expected, theirs.infants[0])
@@ -82,8 +54,7 @@ def test_infants_of_seven_ages_at_once_feel_what_they_do_on_the_cpu(pair):
 
 
 def delayed(age_months: float, **impairments: object) -> mimoc.Bundle:
-    delays, scene = {"preset": "physiological"}, {"kind": "flat", "pose": "sitting"}
-    return build(age_months=age_months, senses=SENSES, scene=scene, delays=delays, impairments=impairments)
+    return sitting(age_months, delays={"preset": "physiological"}, impairments=impairments)
 
 
 def test_delays_of_each_age_are_those_of_the_cpu(pair):
@@ -94,17 +65,17 @@ def test_delays_of_each_age_are_those_of_the_cpu(pair):
     ours.reset(seed=0), theirs.reset(seed=0)
     generator = np.random.default_rng(1)
     for _ in range(12):
-        command = actions(theirs, generator)
+        command = random_actions(theirs, generator)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
         assert_close(seen, expected, theirs.infants[0])
     assert not np.allclose(expected["touch"], 0)
 
 
 def test_bodies_feel_the_sum_of_their_points(pair):
-    ours, theirs = pair([bundle(6), bundle(12)])
+    ours, theirs = pair([sitting(6), sitting(12)])
     seen, expected = ours.reset(seed=0)[0], theirs.reset(seed=0)[0]
     for _ in range(3):
-        command = np.zeros(theirs.action_space.shape, np.float32)
+        command = still(theirs)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
     bodies = theirs.infants[0].senses["touch"].bodies[::3]
     sums = [expected["touch"].reshape(2, -1, 3)[:, bodies == body].sum(axis=1) for body in np.unique(bodies)]
@@ -114,11 +85,11 @@ def test_bodies_feel_the_sum_of_their_points(pair):
 
 @pytest.mark.parametrize("model", ["muscle", "position"])
 def test_every_actuation_model_moves_as_on_the_cpu(pair, model):
-    ours, theirs = pair([build(age_months=age, actuation={"model": model}) for age in (6, 12)])
+    ours, theirs = pair([infant(age, actuation={"model": model}) for age in (6, 12)])
     ours.reset(seed=0), theirs.reset(seed=0)
     generator = np.random.default_rng(2)
     for _ in range(5):
-        command = actions(theirs, generator)
+        command = random_actions(theirs, generator)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
     assert_close(seen, expected, theirs.infants[0])
 
@@ -127,13 +98,13 @@ def test_every_actuation_model_moves_as_on_the_cpu(pair, model):
 def test_every_task_earns_what_it_does_on_the_cpu(pair, kind):
     """In the pose of `standup`, soles just touch the floor, so that the last digit decides how ankles begin to turn."""
     calm = {"noise": {"motor": 0.0}}  # Of the age in skills, unless told; a device draws other numbers.
-    ours, theirs = pair([build(age_months=age, task={"kind": kind}, **calm) for age in (12, 18)], 3, starts=3)
+    ours, theirs = pair([infant(age, task={"kind": kind}, **calm) for age in (12, 18)], 3, starts=3)
     seen, expected = ours.reset(seed=0)[0], theirs.reset(seed=0)[0]
     assert_close(seen, expected, theirs.infants[0])
     generator = np.random.default_rng(3)
     earned = []
     for _ in range(8):
-        command = 0.5 * actions(theirs, generator)
+        command = 0.5 * random_actions(theirs, generator)
         seen, rewards, terminated, _, info = ours.step(command)
         expected, wanted, ends, _, told = theirs.step(command)
         assert rewards == pytest.approx(wanted, rel=1e-3, abs=1e-3)
@@ -146,12 +117,12 @@ def test_every_task_earns_what_it_does_on_the_cpu(pair, kind):
     assert np.any(earned)
 
 
-def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
+def test_an_infant_whose_episode_ends_begins_anew_as_agreed(make):
     """In the next step, in the same one with its last view told, or when it is reset by the caller."""
-    infants = [build(age_months=age, task={"kind": "reach"}) for age in (12, 18)]
+    infants = [infant(age, task={"kind": "reach"}) for age in (12, 18)]
     views = {}
     for mode in ("NextStep", "SameStep", "Disabled"):
-        env = mimoc.make_vec(infants, device=DEVICE, autoreset_mode=mode, max_episode_steps=2, starts=2)
+        env = make(infants, autoreset_mode=mode, max_episode_steps=2, starts=2)
         first = env.reset(seed=0)[0]["proprioception"]
         command = np.ones(env.action_space.shape, np.float32)
         assert not env.step(command)[3].any()
@@ -175,16 +146,13 @@ def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
         for own, begun in zip(starts, seen["proprioception"], strict=True):
             assert any(np.allclose(start, begun, atol=1e-5) for start in own)
         assert first.shape == seen["proprioception"].shape
-        env.close()
 
 
-def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
-    env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
+def test_a_simulation_that_breaks_down_ends_its_own_episode_only(make):
+    env = make(sitting(9), 2)
     env.reset(seed=0)
-    speeds = env.worlds.data.qvel.numpy()
-    speeds[0] = 1e12
-    env.worlds.data.qvel.assign(speeds)
-    command = np.zeros(env.action_space.shape, np.float32)
+    break_down(env)
+    command = still(env)
     seen, _, terminated, _, info = env.step(command)
     assert info["unstable"].tolist() == terminated.tolist() == [True, False]
     assert env.observation_space.contains(seen)
@@ -200,8 +168,8 @@ def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
             use()
 
 
-def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
-    env = mimoc.make_vec(bundle(9), 2, device=DEVICE, arrays="torch")
+def test_torch_sees_the_memory_of_the_environment_and_commands_from_it(make):
+    env = make(sitting(9), 2, arrays="torch")
     first, _ = env.reset(seed=0)
     assert isinstance(first["vestibular"], torch.Tensor)
     before = first["vestibular"].clone()
@@ -209,14 +177,13 @@ def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
     assert seen["vestibular"].data_ptr() == first["vestibular"].data_ptr()
     assert not torch.equal(before, first["vestibular"])
     assert rewards.shape == terminated.shape == (2,)
-    arrays = mimoc.make_vec(bundle(9), 2, device=DEVICE, arrays="warp")
+    arrays = make(sitting(9), 2, arrays="warp")
     begun, _ = arrays.reset(seed=0)
     assert torch.from_dlpack(begun["vestibular"]).data_ptr() == begun["vestibular"].ptr
-    env.close(), arrays.close()
 
 
-def test_commands_that_are_not_finite_are_errors():
-    env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
+def test_commands_that_are_not_finite_are_errors(make):
+    env = make(sitting(9), 2)
     env.reset(seed=0)
     command = np.zeros(env.action_space.shape, np.float32)
     command[1, 3] = np.nan
@@ -227,26 +194,25 @@ def test_commands_that_are_not_finite_are_errors():
     env.step(torch.from_numpy(command))
     with pytest.raises(DeviceError, match="last actions of infant 1 were not finite"):
         env.step(0 * command)
-    env.close()
 
 
 def test_a_task_that_is_no_term_stays_on_the_cpu():
-    infant = InfantEnv(bundle(9), task=mimoc.Task())
+    alone = InfantEnv(sitting(9), task=mimoc.Task())
     with pytest.raises(DeviceError, match=r"'mimoc\.runtime\.task:Task' is not a term, so it runs on the CPU only"):
-        DeviceEnv([infant], device=WARP_DEVICE)
-    infant.close()
+        DeviceEnv([alone], device=WARP_DEVICE)
+    alone.close()
 
 
 def test_what_cannot_live_on_a_device_is_told():
     for error, text, sources, options in (
-        (DeviceError, "device 'cuda:99' is not there; MuJoCo Warp finds .*", bundle(9), {"device": "cuda:99"}),
-        (DeviceError, "device 'gpu' is not there", bundle(9), {"device": "gpu"}),
-        (BatchMismatchError, "commands", [bundle(9), build(age_months=9, body={"hands": "five_finger"})], {}),
-        (WorldsError, "models differ in", [build(age_months=9, scene={"kind": "crib"}), build(age_months=9)], {}),
-        (UnknownNameError, "'numbers' is not a kind of arrays", bundle(9), {"arrays": "numbers"}),
-        (UnknownNameError, "'skin' is not a way to tell of touch", bundle(9), {"touch": "skin"}),
-        (UnknownNameError, f"option of infants on device '{DEVICE}'", bundle(9), {"width": 3}),
-        (MimocError, "cannot be rendered", bundle(9), {"render_mode": "rgb_array"}),
+        (DeviceError, "device 'cuda:99' is not there; MuJoCo Warp finds .*", sitting(9), {"device": "cuda:99"}),
+        (DeviceError, "device 'gpu' is not there", sitting(9), {"device": "gpu"}),
+        (BatchMismatchError, "commands", [sitting(9), infant(9, body={"hands": "five_finger"})], {}),
+        (WorldsError, "models differ in", [infant(9, scene={"kind": "crib"}), infant(9)], {}),
+        (UnknownNameError, "'numbers' is not a kind of arrays", sitting(9), {"arrays": "numbers"}),
+        (UnknownNameError, "'skin' is not a way to tell of touch", sitting(9), {"touch": "skin"}),
+        (UnknownNameError, f"option of infants on device '{DEVICE}'", sitting(9), {"width": 3}),
+        (MimocError, "cannot be rendered", sitting(9), {"render_mode": "rgb_array"}),
     ):
         with pytest.raises(error, match=text) as raised:
             mimoc.make_vec(sources, 2, **{"device": DEVICE, **options})
@@ -272,14 +238,14 @@ HALVED = ActuationKind(
 
 def test_actuation_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):
     with registered(HALVED):
-        infant = build(age_months=9, development="published", actuation={"model": "halved"})
-        alone, many = mimoc.make(infant), mimoc.make_vec(infant, 2, threads=1)
-        device = mimoc.make_vec(infant, 2, device=DEVICE)
+        halved = mimoc.build(spec(9, development="published", actuation={"model": "halved"}))
+        alone, many = mimoc.make(halved), mimoc.make_vec(halved, 2, threads=1)
+        device = mimoc.make_vec(halved, 2, device=DEVICE)
         action = np.full(alone.action_space.shape, 0.4, np.float32)
         for env in (alone, many, device):
             env.reset(seed=0)
             env.step(np.broadcast_to(action, env.action_space.shape))
-        datas = [alone.unwrapped.data, *(infant.data for infant in many.infants)]
+        datas = [alone.unwrapped.data, *(each.data for each in many.infants)]
         for controls in (*(data.ctrl for data in datas), *device.worlds.data.ctrl.numpy()):
             assert controls == pytest.approx(np.full(len(controls), 0.2))
         alone.close(), many.close(), device.close()
@@ -314,12 +280,12 @@ class Tall:
 
 def test_a_sense_that_is_no_term_is_told_and_one_that_is_senses_as_on_the_cpu(pair):
     with pytest.raises(DeviceError, match=r"sense 'tall' is not a term and has no device part: give it one"):
-        mimoc.make_vec(build(age_months=9), 2, device=DEVICE, senses={"tall": Height()})
-    ours, theirs = pair([build(age_months=age) for age in (6, 12)], senses={"tall": Tall()})
+        mimoc.make_vec(infant(9), 2, device=DEVICE, senses={"tall": Height()})
+    ours, theirs = pair([infant(age) for age in (6, 12)], senses={"tall": Tall()})
     ours.reset(seed=0), theirs.reset(seed=0)
     generator, views = np.random.default_rng(4), []
     for _ in range(4):
-        command = actions(theirs, generator)
+        command = random_actions(theirs, generator)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
         assert seen["tall"].shape == (2, 2, 1)
         assert seen["tall"] == pytest.approx(expected["tall"], abs=1e-5)

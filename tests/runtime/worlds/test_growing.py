@@ -9,7 +9,7 @@ from support.worlds import ANNA, BEN, plan_of, world
 
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
-from mimoc.runtime.opening.parallel import shared_world, world_parts
+from mimoc.runtime.opening import prepared_world, shared_world
 from mimoc.runtime.world_env import WorldEnv
 from mimoc.schema.infant import InfantSpec
 
@@ -108,7 +108,7 @@ def test_a_schedule_of_growth_holds_for_the_infants_that_have_one():
 
 def test_infants_that_a_reset_would_make_too_large_for_their_places_are_refused():
     near = {"y_cm": 0}, {"y_cm": 56}
-    env = WorldEnv(**world_parts(plan_of({"kim": ANNA, "lee": ANNA}, *near)))
+    env = WorldEnv(**prepared_world(plan_of({"kim": ANNA, "lee": ANNA}, *near)))
     env.reset(seed=0)
     with pytest.raises(MimocError, match="'kim' and 'lee' are within each other as they start"):
         env.reset(options={"kim": {"age_months": 24}, "lee": {"age_months": 24}})

@@ -14,7 +14,7 @@ from mimoc.bundle.world import WorldBundle
 from mimoc.policies.many import policy_vec
 from mimoc.policies.policy_file import interface_of
 from mimoc.policies.rollout import Run, rollout
-from mimoc.runtime.opening.environments import open_infant
+from mimoc.runtime.opening import open_infant
 from mimoc.runtime.world_env import WorldEnv
 
 FAR = 1e-9

@@ -9,8 +9,9 @@ import pytest
 
 import mimoc
 from mimoc.base.errors import MimocError, PolicyError
-from mimoc.policies.postures import Postures, write_postures
-from mimoc.studies.bench import babybench, running
+from mimoc.policies.skill import Postures, write_postures
+from mimoc.studies import bench
+from mimoc.studies.bench import babybench
 from mimoc.studies.bench.babybench import RegardLog, TouchLog, hand_regard_score, self_touch_score
 from mimoc.studies.bench.scores import markdown_tables, movements_in, read_results, score_cell, wilson_interval
 from mimoc.studies.bench.table import BenchTask, Cell, bench_table, chosen_cells
@@ -58,29 +59,23 @@ class Broken(Short):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """Return a working directory with policies in it."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delitem(sys.modules, "entered_policies", raising=False)
     (tmp_path / "entered_policies.py").write_text(POLICIES)
     return tmp_path
 
 
-def test_there_are_eight_tasks_at_four_ages_each():
-    table = bench_table()
+def test_there_are_eight_tasks_at_four_ages_each_and_no_seed_is_for_practice_and_for_the_test():
+    table, seeds = bench_table(), bench_table().seeds
     assert (table.benchmark, len(table.tasks)) == ("mimoc-bench-1", 8)
     assert {len(task.ages_months) for task in table.tasks.values()} == {4}
     assert len(chosen_cells()) == 32
-
-
-def test_no_seed_is_for_practice_and_for_the_test():
-    seeds = bench_table().seeds
     assert seeds.practice[0] < seeds.practice[1] <= seeds.test[0] < seeds.test[1]
     assert max(cell.episodes for cell in chosen_cells()) < seeds.test[1] - seeds.test[0]
 
 
 @pytest.mark.parametrize("task", bench_table().tasks)
 def test_every_infant_can_be_built(task):
-    """The youngest and the oldest of each task."""
     cells = chosen_cells([task])
     for cell in (cells[0], cells[-1]):
         assert mimoc.build(cell.spec).manifest.child.age_months == cell.age_months
@@ -105,7 +100,6 @@ def test_smoothness_is_of_windows_in_which_something_moves():
 
 @pytest.mark.full
 def test_scores_are_those_of_the_episodes(here):
-    """As `mimoc.evaluate` has them."""
     results = mimoc.run_bench("random", "random.json", **TWO)
     scores = results.cells["reach/12"]
     first = bench_table().seeds.test[0]
@@ -162,7 +156,7 @@ def test_an_interrupted_run_goes_on(here, monkeypatch):
         mimoc.run_bench("random", "random.json", **TWO, progress=interrupted)
     assert not (here / "random.json").exists()
     again = []
-    monkeypatch.setattr(running, "score_cell", lambda *job: again.append(job[0]) or score_cell(*job))
+    monkeypatch.setattr(bench, "score_cell", lambda *job: again.append(job[0]) or score_cell(*job))
     resumed = mimoc.run_bench("random", "random.json", **TWO)
     assert again == [Cell("grasp", 12)]
     assert resumed.content == mimoc.run_bench("random", "whole.json", **TWO).content
@@ -227,32 +221,22 @@ def test_what_cannot_be_scored_is_one_line_and_writes_no_results(here, policy, r
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
-    [
-        ("", "say what to score: --policy NAME -o FILE.json; or see the tasks with --list"),
-        ("--policy zero", "name the file of the results with -o FILE.json"),
-        ("--policy zero --list", "--policy and --list do different things; choose one"),
-        ("--list -o x.json", "--out, --episodes and --babybench are for a --policy that is entered; leave them out"),
-        ("--policy zero -o x.txt", "x.txt: results are JSON; end the name in .json"),
-        ("--policy zero -o no/x.json", "no/x.json: there is no folder no; make it, or choose another place"),
-        (
-            "--policy zero -o x.json --tasks raech",
-            "'raech' is not a task of the benchmark; did you mean 'reach'?",
-        ),
-        (
-            "--policy zero -o x.json --tasks reach --ages 7",
-            "7 months is not an age of reach; choose from 4, 6, 9, 12",
-        ),
-        ("--verify x.json", "x.json: there is no such file; name what `mimoc bench -o FILE` wrote"),
-        ("--table old.json", "old.json: of 'mimoc-bench-0', but this mimoc has mimoc-bench-1; enter again"),
-        (
-            "--babybench smile --policy zero -o x.json",
-            "'smile' is not a behaviour of BabyBench; choose from hand_regard, self_touch",
-        ),
-        (
-            "--babybench self_touch --policy zero -o x.json --ages 3",
-            "--babybench has one infant and one process; leave out --tasks, --ages and --processes",
-        ),
-    ],
+    {
+        "": "say what to score: --policy NAME -o FILE.json; or see the tasks with --list",
+        "--policy zero": "name the file of the results with -o FILE.json",
+        "--policy zero --list": "--policy and --list do different things; choose one",
+        "--list -o x.json": "--out, --episodes and --babybench are for a --policy that is entered; leave them out",
+        "--policy zero -o x.txt": "x.txt: results are JSON; end the name in .json",
+        "--policy zero -o no/x.json": "no/x.json: there is no folder no; make it, or choose another place",
+        "--policy zero -o x.json --tasks raech": "'raech' is not a task of the benchmark; did you mean 'reach'?",
+        "--policy zero -o x.json --tasks reach --ages 7": "7 months is not an age of reach; choose from 4, 6, 9, 12",
+        "--verify x.json": "x.json: there is no such file; name what `mimoc bench -o FILE` wrote",
+        "--table old.json": "old.json: of 'mimoc-bench-0', but this mimoc has mimoc-bench-1; enter again",
+        "--babybench smile --policy zero -o x.json": "'smile' is not a behaviour of BabyBench; choose from "
+        "hand_regard, self_touch",
+        "--babybench self_touch --policy zero -o x.json --ages 3": "--babybench has one infant and one process; leave "
+        "out --tasks, --ages and --processes",
+    }.items(),
 )
 def test_the_command_refuses_in_one_line(here, invoke, arguments, reason):
     old = {"benchmark": "mimoc-bench-0", "policy": "zero", "policy_files": {}, "seeds": [0, 1], "software": {}}
@@ -282,7 +266,6 @@ def test_the_command_enters_verifies_lists_and_tabulates(here, invoke):
 
 
 def strange(folder, policy: str, files: dict[str, str] | None = None) -> None:
-    """Write results that name a policy which was never scored."""
     results = mimoc.run_bench("zero", "zero.json", tasks=["grasp"], ages_months=[12], episodes=1)
     data = results.model_dump(mode="json") | {"policy": policy, "policy_files": files or {}}
     (folder / "strange.json").write_text(json.dumps(data))
@@ -290,17 +273,15 @@ def strange(folder, policy: str, files: dict[str, str] | None = None) -> None:
 
 @pytest.mark.parametrize(
     ("policy", "reason"),
-    [
-        ("motion:/", "reads /, outside of this folder; if you trust it, name it yourself with --policy"),
-        ("motion:..", "reads .., outside of this folder; if you trust it, name it yourself with --policy"),
-        ("skill:link.json", "reads link.json, outside of this folder; if you trust it, name it yourself with --policy"),
-        ("motion:recorded", "reads recorded/a.csv, which is not among the files that were scored"),
-        ("spiteful:Policy", "reads spiteful.py, which is not among the files that were scored"),
-        (
-            "spiteful.inner:Policy",
-            "is in a package, whose other modules are not recorded; if you trust it, name it yourself with --policy",
-        ),
-    ],
+    {
+        "motion:/": "reads /, outside of this folder; if you trust it, name it yourself with --policy",
+        "motion:..": "reads .., outside of this folder; if you trust it, name it yourself with --policy",
+        "skill:link.json": "reads link.json, outside of this folder; if you trust it, name it yourself with --policy",
+        "motion:recorded": "reads recorded/a.csv, which is not among the files that were scored",
+        "spiteful:Policy": "reads spiteful.py, which is not among the files that were scored",
+        "spiteful.inner:Policy": "is in a package, whose other modules are not recorded; if you trust it, name it "
+        "yourself with --policy",
+    }.items(),
 )
 def test_verifying_the_results_of_a_stranger_reads_nothing_else_and_imports_nothing(here, tmp_path, policy, reason):
     (here / "spiteful.py").write_text("from pathlib import Path\nPath('imported').touch()\n")
@@ -335,14 +316,11 @@ def test_a_policy_elsewhere_is_verified_if_the_user_names_it(here, invoke):
 
 @pytest.mark.parametrize(
     ("policy", "cell"),
-    [
-        ("look_at(toy)+reflexes", "`look_at(toy)+reflexes`"),
-        (
-            "x` | <img src=x onerror=alert(1)> |",
-            "<code>x&#96; &#124; &lt;img src=x onerror=alert(1)&gt; &#124;</code>",
-        ),
-        ("[a](http://b)\n# c", "<code>&#91;a](http://b)?# c</code>"),
-    ],
+    {
+        "look_at(toy)+reflexes": "`look_at(toy)+reflexes`",
+        "x` | <img src=x onerror=alert(1)> |": "<code>x&#96; &#124; &lt;img src=x onerror=alert(1)&gt; &#124;</code>",
+        "[a](http://b)\n# c": "<code>&#91;a](http://b)?# c</code>",
+    }.items(),
 )
 def test_names_of_policies_are_nothing_but_text_in_tables(here, policy, cell):
     strange(here, policy)
@@ -395,14 +373,12 @@ def test_hand_regard_needs_an_episode():
 
 @pytest.fixture(scope="module")
 def infant():
-    """Return an infant with BabyBench's settings of self-touch, at rest."""
     env = mimoc.make(babybench.babybench_spec("self_touch")).unwrapped
     env.reset(seed=0)
     return env
 
 
 def touching(env, *pairs: tuple[str, str]) -> dict:
-    """Return what is logged where some geoms are in contact."""
     geoms = np.array([[env.model.geom(name).id for name in pair] for pair in pairs])
     data = SimpleNamespace(contact=SimpleNamespace(geom=geoms))
     logger = TouchLog(SimpleNamespace(model=env.model, manifest=env.manifest, data=data))
@@ -410,19 +386,16 @@ def touching(env, *pairs: tuple[str, str]) -> dict:
     return logger.log()
 
 
-def test_hands_touch_the_own_body_and_fingers_do_not_count(infant):
-    pairs = ("head", "left_hand1"), ("right_fingers1", "ub2"), ("right_hand2", "lb"), ("right_hand1", "lb")
-    assert touching(infant, *pairs) == {"right_hand_touches": ("lb",), "left_hand_touches": ("head",)}
-
-
-def test_hands_that_touch_each_other_count_for_the_right_one(infant):
-    for pair in (("left_hand1", "right_hand1"), ("right_hand1", "left_hand1")):
-        assert touching(infant, pair) == {"right_hand_touches": ("left_hand1",), "left_hand_touches": ()}
-
-
-def test_what_is_not_the_infant_does_not_count(infant):
+def test_hands_touch_the_own_body_each_other_for_the_right_one_and_nothing_by_fingers(infant):
     floor = infant.model.geom(int(np.flatnonzero(infant.model.geom_bodyid == 0)[0])).name
-    assert touching(infant, (floor, "left_hand1")) == {"right_hand_touches": (), "left_hand_touches": ()}
+    fingers = ("head", "left_hand1"), ("right_fingers1", "ub2"), ("right_hand2", "lb"), ("right_hand1", "lb")
+    for pairs, right, left in (
+        (fingers, ("lb",), ("head",)),
+        ([("left_hand1", "right_hand1")], ("left_hand1",), ()),
+        ([("right_hand1", "left_hand1")], ("left_hand1",), ()),
+        ([(floor, "left_hand1")], (), ()),
+    ):
+        assert touching(infant, *pairs) == {"right_hand_touches": right, "left_hand_touches": left}
 
 
 def test_its_formula_looks_down_where_eyes_look_ahead(infant):

@@ -8,8 +8,7 @@ from mimoc.schema import source
 from mimoc.schema.cohort_file import COHORT, CohortSpec
 from mimoc.schema.outline import language_of
 from mimoc.schema.reading import read_keys
-from mimoc.studies.cohorts.cohort import Cohort
-from mimoc.studies.cohorts.plan import plan
+from mimoc.studies.cohorts.cohort import Cohort, plan
 
 HEAD = "mimoc: 1\ncohort: spring\nbase: {mimoc: 1, name: x, age_months: 9}\n"
 DO = "do: [build]\n"

@@ -278,5 +278,4 @@ def test_fat_goes_with_weight_for_length_and_the_rate_with_nothing(population):
 
 
 def scores(population, name):
-    """Return the z-scores of the percentiles of some name."""
     return np.array([NormalDist().inv_cdf(getattr(child, name) / 100) for child in population])

@@ -16,8 +16,8 @@ import mimoc
 from mimoc.base.errors import BundleError, MimocError, OutputError
 from mimoc.compiler import explain
 from mimoc.studies.cohorts import run_jobs as performing
-from mimoc.studies.cohorts.cohort import Cohort
-from mimoc.studies.cohorts.plan import plan
+from mimoc.studies.cohorts.clusters import End, RefusedError, do_on, tasks_of
+from mimoc.studies.cohorts.cohort import Cohort, plan
 from mimoc.studies.cohorts.run_jobs import PINNED, run_jobs
 from mimoc.studies.cohorts.store import Store, size_bytes
 
@@ -54,7 +54,6 @@ def name_of(work):
 
 @pytest.fixture
 def own(tmp_path) -> Path:
-    """Return a module of functions beside the cohort file."""
     path = tmp_path / "own.py"
     path.write_text(OWN)
     return path
@@ -377,7 +376,6 @@ NUMBER = 3
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    """Return a cohort whose infants are built, and its folder, which is only to be read."""
     base = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"vestibular": {}}}
     keys = {"cohort": "small", "base": base, "children": {"draw": NUMBER}, "do": ["build"]}
     study, store = Cohort({"mimoc": 1, **keys}), Store(tmp_path_factory.mktemp("cohort"))
@@ -419,3 +417,145 @@ def test_a_stored_bundle_is_not_explained_by_another_version(built, monkeypatch)
     monkeypatch.setattr("mimoc.compiler.building.Builder.files", {"infant.xml": b"another"})
     with pytest.raises(BundleError, match="builds another infant"):
         explain.contents(lean)
+
+
+TASKS_OWN = "def nothing(work):\n    return {}\n"
+MANY = {"python": {"function": "own:nothing", "seeds": "0:7"}}
+
+
+class Cluster:
+    """A cluster that does each task when it is asked how tasks have ended."""
+
+    def __init__(self, store, room=1000, dies_at=(), never_begins=0, cancels=False, refuses=0):
+        self.store, self.room, self.dies_at = store, room, set(dies_at)
+        self.never_begins, self.cancels, self.refuses = never_begins, cancels, refuses
+        self.queue, self.submitted, self.most, self.cancelled = {}, [], 0, False
+
+    def submit(self, tasks):
+        if self.refuses and self.submitted:
+            self.refuses -= 1
+            raise RefusedError("no more")
+        names = [f"{len(self.submitted) + number}" for number in range(len(tasks))]
+        self.submitted += [[job.seed for job in task] for task in tasks]
+        self.queue |= dict(zip(names, tasks, strict=True))
+        self.most = max(self.most, len(self.queue))
+        return names
+
+    def ended(self):
+        name = next(iter(self.queue))
+        return {name: self.do(self.queue.pop(name))}
+
+    def do(self, task):
+        if self.cancels:
+            return End("the task was cancelled", on_purpose=True)
+        if self.never_begins:
+            self.never_begins -= 1
+            return End("the node is broken")
+        for job in task:
+            if job.seed in self.dies_at:
+                self.store.log(job).parent.mkdir(exist_ok=True)
+                self.store.log(job).touch()
+                return End("the task was killed")
+            run_jobs([job], self.store)
+        return End("the task has ended")
+
+    def cancel(self):
+        self.cancelled = True
+
+
+@pytest.fixture
+def study(cohort, tmp_path):
+    (tmp_path / "own.py").write_text(TASKS_OWN)
+    store = Store(tmp_path / "out")
+    store.create("small")
+    return cohort(do=[MANY]).jobs(), store
+
+
+def errors(jobs, store):
+    return {job.seed: store.read(job).error for job in jobs if not store.read(job).ok}
+
+
+def test_all_jobs_are_done_with_no_more_tasks_at_once_than_there_is_room_for(study):
+    jobs, store = study
+    calls, cluster = [], Cluster(store, room=2)
+    do_on(cluster, tasks_of(jobs, 2), store, calls.append)
+    assert (errors(jobs, store), cluster.most, calls) == ({}, 2, [2, 4, 6, 7])
+    assert not cluster.cancelled
+
+
+def test_a_job_that_kills_its_task_twice_has_failed_and_the_others_of_the_task_have_not(study):
+    jobs, store = study
+    cluster = Cluster(store, dies_at=[1, 4])
+    do_on(cluster, tasks_of(jobs, 5), store, lambda done: None)
+    reason = "the task was killed, 2 times; see the log"
+    assert errors(jobs, store) == {1: reason, 4: reason}
+    assert cluster.submitted == [[0, 1, 2, 3, 4], [5, 6], [1, 2, 3, 4], [2, 3, 4], [4]]
+
+
+def test_a_task_that_ends_before_its_first_job_is_begun_once_more(study):
+    jobs, store = study
+    do_on(Cluster(store, never_begins=1), tasks_of(jobs, 7), store, lambda done: None)
+    assert errors(jobs, store) == {}
+
+
+def test_the_jobs_of_a_task_that_never_begins_have_failed(study):
+    """So a cluster whose nodes are all broken is not asked for ever."""
+    jobs, store = study
+    cluster = Cluster(store, never_begins=1000)
+    do_on(cluster, tasks_of(jobs, 4), store, lambda done: None)
+    assert set(errors(jobs, store).values()) == {"the node is broken before its first job, 2 times"}
+    assert len(cluster.submitted) == 4
+
+
+def test_what_somebody_has_cancelled_is_not_begun_again(study):
+    jobs, store = study
+    cluster = Cluster(store, cancels=True)
+    do_on(cluster, tasks_of(jobs, 7), store, lambda done: None)
+    assert (len(errors(jobs, store)), len(cluster.submitted)) == (7, 1)
+
+
+def test_a_cluster_that_takes_no_more_tasks_is_asked_again_when_some_have_ended(study):
+    jobs, store = study
+    do_on(Cluster(store, room=4, refuses=2), tasks_of(jobs, 1), store, lambda done: None)
+    assert errors(jobs, store) == {}
+
+
+def test_a_cluster_that_takes_no_tasks_at_all_is_an_error(study):
+    jobs, store = study
+    cluster = Cluster(store, refuses=1)
+    cluster.submitted.append([])
+    with pytest.raises(RefusedError, match="no more"):
+        do_on(cluster, tasks_of(jobs, 1), store, lambda done: None)
+
+
+def test_ctrl_c_cancels_all_tasks(study):
+    jobs, store = study
+    cluster = Cluster(store)
+
+    def stop(done):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        do_on(cluster, tasks_of(jobs, 1), store, stop)
+    assert cluster.cancelled
+
+
+def test_long_steps_are_tasks_of_their_own_and_short_ones_share_a_task(cohort):
+    jobs = cohort(do=[{"run": {"seeds": "0:60"}}, {"train": {"seeds": "0:2"}}]).jobs()
+    assert [len(task) for task in tasks_of(jobs, None)] == [50, 10, 1, 1]
+    assert [len(task) for task in tasks_of(jobs, 25)] == [25, 25, 10, 2]
+
+
+@pytest.mark.parametrize(("on", "library"), [("slurm", "submitit"), ("ray", "ray")])
+def test_a_library_that_is_missing_is_named_and_nothing_is_written(cohort, tmp_path, monkeypatch, on, library):
+    monkeypatch.delitem(sys.modules, f"mimoc.studies.cohorts.{on}", raising=False)
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(MimocError, match=rf"{library} is not installed; run: pip install 'mimoc\[{on}\]'"):
+        cohort().run(tmp_path / "out", on)
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_option_of_another_engine_is_refused(cohort, tmp_path):
+    with pytest.raises(MimocError, match="'partition' is not a setting of '--on local'; choose from processes"):
+        cohort().run(tmp_path / "out", partition="long")
+    assert not (tmp_path / "out").exists()

@@ -21,7 +21,6 @@ from mimoc.studies.experiments.sensed_reaching import (
 
 @pytest.fixture(scope="module")
 def undelayed() -> mimoc.Bundle:
-    """Return an infant of six months without delays or noise."""
     return mimoc.build(infant_of_age(6, "none").with_(noise=None))
 
 

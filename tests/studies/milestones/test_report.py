@@ -6,23 +6,22 @@ import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.cli.tables import print_milestones
 from mimoc.fits import load_tables
-from mimoc.fits.who import percentile
-from mimoc.render.plots.file import draw
+from mimoc.fits.standards import percentile
+from mimoc.render.plots import draw
 from mimoc.schema.body import INDICATORS
 from mimoc.schema.counterparts import counterpart, exchanged, has_like_sides
 from mimoc.schema.infant import InfantSpec
+from mimoc.studies import milestones as milestone_reports
 from mimoc.studies.growth_plots import rows_sheet
-from mimoc.studies.milestones import report as milestone_reports
-from mimoc.studies.milestones.infant import Conditions, compile_at
-from mimoc.studies.milestones.report import WINDOWS, Milestone, MilestoneReport, is_average, validate_milestones
+from mimoc.studies.milestones import WINDOWS, Milestone, MilestoneReport, is_average, validate_milestones
 from mimoc.studies.milestones.search import SearchResult
-from mimoc.studies.milestones.trial import Outcome, try_out
+from mimoc.studies.milestones.trial import Conditions, Outcome, compile_at, try_out
 from mimoc.studies.milestones.trials import TRIALS
 
 
 def report(*ages_months):
     """Return a report on sitting, whose window is 3.8 to 9.2 months, and pulling to stand, which is not judged."""
-    found = [SearchResult(age, {0.0: Outcome(age == 0.0, 1.0)}) for age in ages_months]
+    found = [SearchResult(youngest_months=age, outcomes={0.0: Outcome(age == 0.0, 1.0)}) for age in ages_months]
     names = ("sit", "pull_to_stand")
     milestones = [
         Milestone(TRIALS[name], {"": one}, WINDOWS[name], name == "sit") for name, one in zip(names, found, strict=True)
@@ -56,7 +55,9 @@ def test_an_age_is_judged_by_the_window_of_real_infants(age_months, verdict):
 )
 def test_the_average_child_is_judged_by_mean_and_sd_where_these_are_known(name, age_months, verdict):
     assert WINDOWS[name].verdict(age_months, of_average=True) == verdict
-    milestone = Milestone(TRIALS[name], {"": SearchResult(age_months)}, WINDOWS[name], True, of_average=True)
+    milestone = Milestone(
+        TRIALS[name], {"": SearchResult(youngest_months=age_months)}, WINDOWS[name], True, of_average=True
+    )
     assert (milestone.verdict, milestone.failed) == (verdict, verdict != "inside")
 
 
@@ -74,7 +75,9 @@ def test_only_a_child_of_which_the_spec_says_nothing_is_average():
 
 
 def test_the_table_of_the_average_child_has_mean_and_sd(capsys):
-    milestone = Milestone(TRIALS["stand"], {"": SearchResult(8.5)}, WINDOWS["stand"], True, of_average=True)
+    milestone = Milestone(
+        TRIALS["stand"], {"": SearchResult(youngest_months=8.5)}, WINDOWS["stand"], True, of_average=True
+    )
     print_milestones(MilestoneReport("maturing", "torque", Conditions(), [milestone]))
     printed = " ".join(capsys.readouterr().out.split())
     assert "9.1-12.9" in printed
@@ -155,9 +158,12 @@ def test_only_who_differs_between_its_sides_tries_with_both(monkeypatch):
 
     def search(spec, conditions, names, *_):
         asked.append(names)
-        return {name: SearchResult(4.0, {4.0: Outcome(True, 6.0, "", "right arm")}) for name in names}
+        return {
+            name: SearchResult(youngest_months=4.0, outcomes={4.0: Outcome(True, 6.0, "", "right arm")})
+            for name in names
+        }
 
-    monkeypatch.setattr(milestone_reports, "search", search)
+    monkeypatch.setattr(milestone_reports, "search_trials", search)
     milestone, _ = arms_out(CHILD)
     arms_out(WEAK)
     assert asked == [["arm_out:right"], ["arm_out:left", "arm_out:right"]]
@@ -179,8 +185,10 @@ def test_the_counterpart_has_to_be_known_and_another_child():
 
 
 def found(**ages_months):
-    """Return what was found by side, each age tried at birth and then."""
-    return {side: SearchResult(age, {0.0: Outcome(False, 1.0)}) for side, age in ages_months.items()}
+    return {
+        side: SearchResult(youngest_months=age, outcomes={0.0: Outcome(False, 1.0)})
+        for side, age in ages_months.items()
+    }
 
 
 @pytest.mark.parametrize(
@@ -205,7 +213,7 @@ def table(capsys, *milestones, **beside):
 
 
 def test_the_table_shows_sides_that_differ_and_the_healthy_child(capsys):
-    sit = Milestone(TRIALS["sit"], {"": SearchResult(6.0)}, WINDOWS["sit"], True)
+    sit = Milestone(TRIALS["sit"], {"": SearchResult(youngest_months=6.0)}, WINDOWS["sit"], True)
     arms = Milestone(TRIALS["arm_out"], found(left=4.0, right=None), WINDOWS["arm_out"], True)
     alike = Milestone(TRIALS["arm_out"], found(left=4.0, right=4.0), WINDOWS["arm_out"], True)
     healthy = MilestoneReport("maturing", "torque", Conditions(), [sit, alike])

@@ -7,10 +7,9 @@ import pytest
 import mimoc
 from mimoc.base.errors import UnknownNameError
 from mimoc.cli.tables import print_movement
-from mimoc.render.plots.file import draw
-from mimoc.render.plots.plot import windows_sheet
+from mimoc.render.plots import draw, windows_sheet
 from mimoc.schema.infant import InfantSpec
-from mimoc.studies.movement.report import TRIALS, WINDOWS, MovementReport, Row, window_of
+from mimoc.studies.movement import TRIALS, WINDOWS, MovementReport, Row, window_of
 
 MEASURES = {measure.name: measure for trial in TRIALS.values() for measure in trial.measures}
 CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
@@ -115,22 +114,16 @@ def test_only_the_trials_that_need_a_part_are_not_tried_without_it(hands, remove
     assert {one.trial for one in rows if one.verdict == "not tried"} == untried
 
 
-def test_every_window_is_of_a_measure_and_has_an_end():
+def test_every_window_is_of_a_measure_and_has_an_end_and_every_trial_has_one_and_measures_of_its_own():
     assert {name for name, _ in WINDOWS} <= MEASURES.keys()
+    assert len(MEASURES) == sum(len(trial.measures) for trial in TRIALS.values())
+    for trial in TRIALS.values():
+        assert any(window_of(measure.name, age) for measure in trial.measures for age in trial.ages_months)
     for _, window in WINDOWS:
         assert window.low is not None or window.high is not None
         assert window.low is None or window.high is None or window.low < window.high
         assert window.youngest_months <= window.oldest_months
         assert window.source
-
-
-def test_every_trial_is_done_by_default_at_an_age_that_something_is_asked_of():
-    for trial in TRIALS.values():
-        assert any(window_of(measure.name, age) for measure in trial.measures for age in trial.ages_months)
-
-
-def test_names_of_measures_are_distinct():
-    assert len(MEASURES) == sum(len(trial.measures) for trial in TRIALS.values())
 
 
 def test_the_first_window_of_an_age_is_the_one_that_counts():

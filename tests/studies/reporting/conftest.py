@@ -14,7 +14,7 @@ import mimoc
 from mimoc.base.errors import RenderingError
 from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.store import Result, Store
-from mimoc.studies.reporting import infant, world
+from mimoc.studies.reporting import infant
 from mimoc.training.curve import Curve, CurvePoint
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import TrainingSettings
@@ -74,18 +74,15 @@ class Seen(HTMLParser):
             self.rows[-1][-1] = f"{self.rows[-1][-1]}{data}".strip()
 
     def attributes(self, name: str) -> list[str]:
-        """Return the values of an attribute of all elements."""
         return [str(found[name]) for _, found in self.tags if name in found]
 
     def row(self, first: str) -> list[str]:
-        """Return the only row that begins with a cell."""
         (found,) = (row for row in self.rows if row[:1] == [first])
         return found
 
 
 @pytest.fixture(scope="session")
 def see() -> Callable[[Path], Seen]:
-    """Return what reads a page."""
     read = cache(Seen)
     return lambda page: read(page.read_text(encoding="utf-8"))
 
@@ -98,13 +95,11 @@ def without_opengl(monkeypatch) -> None:
 
 @pytest.fixture(scope="session")
 def small_one() -> mimoc.Bundle:
-    """Return an infant that is an individual, senses, is late and noisy."""
     return store.built(SPEC)
 
 
 @pytest.fixture(scope="session")
 def page(small_one, tmp_path_factory) -> Path:
-    """Return the page of that infant, without a portrait."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(infant, "portrait", _no_opengl)
         return mimoc.report(small_one, tmp_path_factory.mktemp("pages") / "infant.html")
@@ -112,7 +107,6 @@ def page(small_one, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def run_page(run, tmp_path_factory) -> Path:
-    """Return the page of a training run, without a portrait."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(infant, "portrait", _no_opengl)
         return mimoc.report(run, tmp_path_factory.mktemp("pages") / "run.html")
@@ -128,21 +122,18 @@ def pair(tmp_path_factory) -> mimoc.WorldBundle:
 
 @pytest.fixture(scope="session")
 def world_page(pair, tmp_path_factory) -> Path:
-    """Return the page of that world, without a picture."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(world, "world_portrait", _no_opengl)
+        patch.setattr(infant, "world_portrait", _no_opengl)
         return mimoc.report(pair, tmp_path_factory.mktemp("pages") / "world.html", beside="healthy")
 
 
 @pytest.fixture(scope="session")
 def cohort_page(cohort, tmp_path_factory) -> Path:
-    """Return the page of a cohort."""
     return mimoc.report(cohort, tmp_path_factory.mktemp("pages") / "cohort.html")
 
 
 @pytest.fixture(scope="session")
 def run(small_one, tmp_path_factory) -> Path:
-    """Return the folder of a training run, as `mimoc train` writes it."""
     folder = tmp_path_factory.mktemp("runs") / "run"
     settings = TrainingSettings.choose("ppo", 4096, 3, 2, 1024, {"gamma": 0.9})
     rows = [
@@ -156,7 +147,6 @@ def run(small_one, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def study() -> Cohort:
-    """Return a cohort of three children at two ages."""
     return Cohort(STUDY)
 
 

@@ -12,20 +12,19 @@ from hypothesis import given, strategies as st
 from PIL import Image
 
 import mimoc
-from mimoc.base.quantities.child import AGE
+from mimoc.base.quantities import AGE
 from mimoc.base.units import cm_to_m
 from mimoc.bundle.model import load_model
 from mimoc.compiler.provenance import who_percentiles
-from mimoc.render.plots.drawing import around, draw_svg, ticks
-from mimoc.render.plots.plot import Dots, Plot
+from mimoc.render.drawing import around, draw_svg, ticks
+from mimoc.render.plots import Dots, Plot
 from mimoc.studies.cohorts.cohort import Cohort
 from mimoc.studies.cohorts.store import Result, Store, finished_jobs
 from mimoc.studies.cohorts.table import rows_of
-from mimoc.studies.reporting import words, world
+from mimoc.studies.reporting import infant, words
+from mimoc.studies.reporting.body import silhouette, strength
 from mimoc.studies.reporting.page import Cell, Code, Details, Page, Section, TextBlock, render, table
-from mimoc.studies.reporting.silhouette import silhouette
 from mimoc.studies.reporting.sources import Sources
-from mimoc.studies.reporting.strength import strength
 from mimoc.studies.reporting.words import THIN_SPACE
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import TrainingSettings
@@ -39,7 +38,6 @@ MOST_BYTES = 1_000_000
 
 @pytest.fixture(params=PAGES)
 def any_page(request):
-    """Return a page of each kind."""
     return request.getfixturevalue(request.param)
 
 
@@ -90,7 +88,7 @@ def test_a_world_has_a_section_for_each_infant_and_what_they_touch(world_page, p
 
 
 def test_the_page_of_a_training_on_a_world_has_its_infants(pair, tmp_path, see, monkeypatch):
-    monkeypatch.setattr(world, "world_portrait", _no_opengl)
+    monkeypatch.setattr(infant, "world_portrait", _no_opengl)
     with open_run_folder(tmp_path / "run", TrainingSettings.choose("ppo", 4096, 3, 2, 1024, {}), pair, force=False):
         pass
     seen = see(mimoc.report(tmp_path / "run", tmp_path / "run.html"))
@@ -280,7 +278,7 @@ TEXTS = st.text(
 @given(TEXTS)
 def test_whatever_a_text_holds_is_shown_as_it_is(text):
     blocks = (TextBlock(text), Code(text), Details(text, (TextBlock(text),)), table((text,), [(Cell(text),)]))
-    seen = Seen(render(Page(text, text, (text,), (Section("place", text, blocks),), text)).decode())
+    seen = Seen(render(Page(text, text, (text,), (Section("place", text, blocks),), made_by=text)).decode())
     assert seen.text.count(text) >= 10
     assert seen.rows == [[text], [text]]
 
@@ -345,7 +343,7 @@ def test_a_limb_that_is_missing_is_neither_drawn_nor_weighed():
     spec = {"mimoc": 1, "name": "one_arm", "age_months": 9, "body": {"remove": ["left_upper_arm"]}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     section = strength(bundle, load_model(bundle), Sources(bundle))
-    seen = Seen(render(Page("", "", (), (section,), "")).decode())
+    seen = Seen(render(Page("", "", (), (section,))).decode())
     parts = {row[0] for row in seen.rows if row}
     assert {"Right upper arm", "Right hand", "Thigh, each"} <= parts
     assert not {"Left upper arm", "Upper arm, each"} & parts

@@ -6,9 +6,8 @@ from pathlib import Path
 import trimesh
 
 from mimoc.base.errors import UnknownToysError, suggestion
-from mimoc.compiler.toys.placing import Toybox
-from mimoc.compiler.toys.shape import Mesh, Solid, ToyModel, assemble
-from mimoc.schema.toys import ToysSpec
+from mimoc.compiler.toys import Mesh, Solid, Toybox, ToyModel, assemble
+from mimoc.schema.objects import ToysSpec
 
 SIZES = {"cube": (1.0, 1.0, 1.0), "slab": (1.0, 0.5, 0.25), "column": (0.4, 0.4, 1.0)}
 """Edges, by name; toys are scaled to the size that a scene wants."""

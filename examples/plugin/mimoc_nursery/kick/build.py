@@ -3,7 +3,7 @@
 import math
 
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.mjcf.furniture import WorldMaterial
+from mimoc.compiler.mjcf.elements import WorldMaterial
 from mimoc.compiler.mjcf.world import FreeObject, ObjectGeom
 from mimoc.compiler.task_setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec

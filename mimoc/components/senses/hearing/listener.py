@@ -172,18 +172,12 @@ MAX_M = 1000.0  # Largest coordinate of a place.
 RATES_HZ = 1000.0, 400_000.0
 
 
-@dataclass(frozen=True, slots=True)
-class Playback:
-    """A sound and its place."""
+def checked_playback(pressure_pa: Any, rate_hz: Any, point_m: Any) -> tuple[FloatArray, float, FloatArray]:
+    """Return a sound pressure, shape (n,), its sample rate and its place, shape (3,), as arrays.
 
-    pressure_pa: FloatArray  # Sound pressure at 1 m, shape (n,), [Pa].
-    rate_hz: float  # Samples per second.
-    point_m: tuple[float, ...]  # Place in the frame of its body, shape (3,).
-    body: int  # The body that it moves with; 0 is the world.
-
-
-def checked_playback(pressure_pa: Any, rate_hz: Any, point_m: Any, body: int) -> Playback:
-    """Return a sound, or raise a ValueError that says what is wrong with it."""
+    Raises:
+        ValueError: If something is wrong with them.
+    """
     pressure, place, rate = _numbers(pressure_pa), _numbers(point_m), _numbers(rate_hz)
     if rate is None or rate.shape != () or not RATES_HZ[0] <= rate <= RATES_HZ[1]:
         raise ValueError(f"expected a sample rate from {RATES_HZ[0]:g} to {RATES_HZ[1]:g} Hz, got {rate_hz!r:.60}")
@@ -195,7 +189,7 @@ def checked_playback(pressure_pa: Any, rate_hz: Any, point_m: Any, body: int) ->
         raise ValueError(f"expected finite sound pressures of at most {MAX_PA:g} Pa, got {np.abs(pressure).max():g}")
     if place is None or place.shape != (3,) or not np.abs(place).max() <= MAX_M:
         raise ValueError(f"expected a place of three numbers of at most {MAX_M:g} m, got {point_m!r:.60}")
-    return Playback(pressure, float(rate), tuple(place.tolist()), body)
+    return pressure, float(rate), place
 
 
 def _numbers(values: Any) -> FloatArray | None:
@@ -215,7 +209,6 @@ class Listener(Companion):
     """The ears of one infant: the sound pressure at each, of all sounds in its world."""
 
     def __init__(self, entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle, samples: int):
-        """Listen in a model, and keep so many samples."""
         self._model, self._head = model, Head(entry.radius_m, float(entry.sample_rate_hz))
         self._body = model.body(entry.head).id
         self._thresholds = np.log(entry.threshold_hz or (1.0,)), np.array(entry.threshold_db or (0.0,))
@@ -238,12 +231,11 @@ class Listener(Companion):
         self._voice = OwnVoice(voice, self._head) if voice else None
         self._others = [OtherVoice(other, self._model.body(other.entry.head).id, self._head) for other in others]
 
-    def play(self, sound: Playback, data: mujoco.MjData) -> None:
-        """Let a sound begin now."""
-        start, pressure_pa = data.time * self._head.sample_rate_hz, np.asarray(sound.pressure_pa, np.float64)
-        if sound.rate_hz != self._head.sample_rate_hz:
-            pressure_pa = resampled(pressure_pa, sound.rate_hz, self._head.sample_rate_hz)
-        self._mixer.add([Source(pressure_pa, 1.0, start, sound.body, np.array(sound.point_m, np.float64))])
+    def play(self, pressure_pa: FloatArray, rate_hz: float, point_m: FloatArray, body: int, time_s: float) -> None:
+        """Let a recorded sound begin at a time, at a point in the frame of a body."""
+        if rate_hz != self._head.sample_rate_hz:
+            pressure_pa = resampled(pressure_pa, rate_hz, self._head.sample_rate_hz)
+        self._mixer.add([Source(pressure_pa, 1.0, time_s * self._head.sample_rate_hz, body, point_m)])
 
     def reset(self, data: mujoco.MjData) -> None:
         """Begin an episode in silence."""

@@ -35,13 +35,13 @@ from mimoc.base.geometry.spherical_head import low_part
 from mimoc.base.state_form import check_form
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
-from mimoc.components.senses.hearing.cochlea import REFERENCE_PA
 from mimoc.runtime.model_fields import WORLD
 from mimoc.runtime.sense import FloatArray, IntArray
 from mimoc.runtime.sound import Voice
 
 Wave = npt.NDArray[np.complex64]
 
+REFERENCE_PA = 20e-6  # Of sound pressure levels, p₀.
 FINER = 4  # A frequency of a third of the sample rate loses .3 dB at most.
 PARTIALS = np.array([1.0, 2.757, 5.404, 8.933])
 """Frequencies of a free beam, relative to the lowest (Fletcher & Rossing 1998), for want of an object's own."""
@@ -127,7 +127,6 @@ def partials_of(timbre: Timbre, head: Head) -> tuple[FloatArray, FloatArray]:
 
 
 def _harmonic(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
-    """Return a voice or a pure tone, with smooth ends."""
     period = harmonic_period(timbre.fundamental_hz, HARMONICS if timbre.kind == "voice" else 1, head)
     places = (times_s * min(timbre.fundamental_hz, 0.45 * head.sample_rate_hz) * PERIOD).astype(np.int64) % PERIOD
     ends = np.minimum(times_s, times_s[-1] - times_s) / min(GLIDE_S, times_s[-1] / 4)

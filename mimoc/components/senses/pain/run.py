@@ -12,8 +12,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.components.senses.pain import PainEntry
 from mimoc.runtime.filter import Filter
-from mimoc.runtime.sense import FloatArray, IntArray
-from mimoc.runtime.senses import TermSense
+from mimoc.runtime.sense import FloatArray, IntArray, TermSense
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 

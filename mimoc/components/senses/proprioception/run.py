@@ -12,8 +12,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.components.senses.proprioception import ProprioceptionEntry
 from mimoc.runtime.actuation import all_commanded, bind_actuation
 from mimoc.runtime.noise import Draw, Noise, Smooth
-from mimoc.runtime.sense import FloatArray, IntArray, Sense
-from mimoc.runtime.senses import TermSense
+from mimoc.runtime.sense import FloatArray, IntArray, Sense, TermSense
 from mimoc.runtime.term import Concatenated, Field, Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.schema.actuation import ActuationEntry
@@ -84,7 +83,6 @@ def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> T
 def _components(
     entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel
 ) -> dict[str, list[Component]]:
-    """Return what can be sensed, by the name with which it is included; angles always are."""
     joints = np.array([model.joint(name).id for name in entry.joints], np.intp)
     angles, velocities = model.jnt_qposadr[joints].astype(np.intp), model.jnt_dofadr[joints].astype(np.intp)
     low, high = model.jnt_range[joints].T

@@ -13,7 +13,7 @@ is known of adults' fingertips (Johansson & Vallbo 1979 and Bolanowski 1988, fro
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -22,9 +22,9 @@ import numpy as np
 from mimoc.base.geometry.rotations import cross
 from mimoc.components.senses.touch import Channel
 from mimoc.components.senses.touch.receptors import ContactForces
-from mimoc.runtime.array_library import NUMPY
-from mimoc.runtime.filter import INSTANT_S, MOST_INTERVALS, Filter, held
+from mimoc.runtime.filter import INSTANT_S, Filter, held
 from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.worlds import NUMPY
 
 RISE_S, SLOW_S = 0.15, 3.0
 """Time constants of the response of slowly adapting receptors to a rising force, and of their slow loss."""
@@ -80,23 +80,11 @@ class Adapting(Filter):
         response[:, touched], state[:, touched] = felt[0], changed[0]
         return response[None], state[None]  # pyright: ignore[reportReturnType] - 32 bits, as there are many points.
 
-    @cached_property
-    def intervals(self) -> dict[float, Any]:
-        """What is left after each interval so far; no field, so that infants never share it."""
-        return {}
-
     def _changed(self, xp: Any, elapsed_s: float, numbers: Any, kept: Any) -> tuple[Any, Any]:
         """Return the channels of m points, shape (k, c, m), and their state, shape (k, 4, m)."""
         force, rise, former = numbers[:, 0, :], kept[:, 2, :], kept[:, 3, :]
-        # What is left of both lags, what a change adds to them, and the same of the rise.
         interval_s = min(max(round(elapsed_s, 9), INSTANT_S), FORGOTTEN_S)
-        if interval_s not in self.intervals:
-            if len(self.intervals) == MOST_INTERVALS:
-                self.intervals.clear()
-            left, ramp = held(xp, interval_s, self.time_constants_s[:, :, None])
-            of_rise, _ = held(xp, interval_s, self.rise_s)
-            self.intervals[interval_s] = left, 1.0 - left, ramp, of_rise, (1.0 - of_rise) * (self.rise_s / interval_s)
-        left, gained, ramp, of_rise, risen = self.intervals[interval_s]
+        left, gained, ramp, of_rise, risen = self.of_interval(xp, interval_s, self._gains)
         change = force - former
         rise = of_rise * rise + risen * xp.maximum(change, 0.0)
         lags = left * kept[:, :2, :] + gained * former[:, None, :] + ramp * change[:, None, :]
@@ -104,6 +92,12 @@ class Adapting(Filter):
         state = xp.concat([lags, rise[:, None, :], force[:, None, :]], axis=1)
         is_over = (force == 0.0) & (lags[:, 0, :] < FORGOTTEN_N)
         return felt, xp.where(is_over[:, None, :], 0.0, state)
+
+    def _gains(self, xp: Any, interval_s: float) -> tuple[Any, ...]:
+        """Return what is left of both lags, what force and its change add to them, and both of the rise."""
+        left, ramp = held(xp, interval_s, self.time_constants_s[:, :, None])
+        of_rise, _ = held(xp, interval_s, self.rise_s)
+        return left, 1.0 - left, ramp, of_rise, (1.0 - of_rise) * (self.rise_s / interval_s)
 
     def _channel(self, xp: Any, channel: Channel, numbers: Any, former: Any, rise: Any, lags: Any) -> Any:
         force = numbers[:, 0, :]

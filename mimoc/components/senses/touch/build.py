@@ -17,8 +17,7 @@ from mimoc.base.geometry.rotations import FloatArray, matrix_from_euler
 from mimoc.base.units import cm_to_m
 from mimoc.body.grow import grow_average
 from mimoc.body.reference import REFERENCE_AGE_MONTHS
-from mimoc.body.surface import PALMS_AND_SOLES, region_of_bodies
-from mimoc.body.tree import Body, BodyTree, Geom
+from mimoc.body.tree import PALMS_AND_SOLES, Body, BodyTree, Geom, region_of_bodies
 from mimoc.compiler.mjcf.scene import Placed
 from mimoc.components.senses.touch import SkinEntry, TouchEntry, TouchSpec
 from mimoc.schema.base import on_recompose
@@ -159,10 +158,7 @@ class _Patch(NamedTuple):
 
 
 def skin_points(
-    tree: BodyTree,
-    density: float,
-    regions: Collection[str] | None = None,
-    given_m: Mapping[str, float] | None = None,
+    tree: BodyTree, density: float, regions: Collection[str] | None = None, given_m: Mapping[str, float] | None = None
 ) -> SkinPoints:
     """Return the skin points of a grown body.
 
@@ -205,7 +201,6 @@ def _average_bodies(hands: str, extra: tuple[str, ...], development: Development
 def _patch(
     hands: str, extra: tuple[str, ...], development: Development, part: str, density: float, apart_m: float | None
 ) -> _Patch:
-    """Return the skin of a part, named without its side, by density or by the distance of its points."""
     body = _average_bodies(hands, extra, development)[part]
     area_m2 = _area_m2(body)
     if body.skin_spacing_m is None:
@@ -331,7 +326,6 @@ def _rings(radii: FloatArray, heights: FloatArray, per_radian: float, along: Flo
 
 
 def _cells(count: int) -> FloatArray:
-    """Return the middles of equal cells from -1 to 1."""
     return (2 * np.arange(count) + 1) / count - 1
 
 

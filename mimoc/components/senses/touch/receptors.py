@@ -17,6 +17,11 @@ SIGNS = np.array([[-1.0], [1.0]])  # By side: the normal of a contact points out
 FIELDS = ("geom", "efc_address", "frame", "dim", "dist", "pos")
 """What of `MjData.contact` says where contacts are, and where their forces."""
 AXES = np.arange(3)  # Of a contact: its normal, then two tangents.
+FIELD_RADIUS = 2.0  # Radius of a receptive field, in spacings of the receptors.
+BODY_OFFSET = np.array([1e3, 0.0, 0.0])
+"""From each body to the next in scaled space, in field radii: their receptors do not meet."""
+CELL_STRIDES = np.array([1e8, 1e4, 1.0])  # Turns the corner of a cell into one number.
+AROUND = np.array([-1.0, 0.0, 1.0])  # Of a cell and its neighbours, along each coordinate.
 
 
 class ContactForces(NamedTuple):
@@ -67,13 +72,6 @@ def contact_forces(contact: Any, efc_force: FloatArray, body_of_geom: IntArray) 
 def rotated(vectors: FloatArray, axes: FloatArray) -> FloatArray:
     """Return each of some vectors, shape (m, 3), times its matrix, shape (m, 3, 3)."""
     return (vectors[:, None] @ axes)[:, 0]
-
-
-FIELD_RADIUS = 2.0  # Radius of a receptive field, in spacings of the receptors.
-BODY_OFFSET = np.array([1e3, 0.0, 0.0])
-"""From each body to the next in scaled space, in field radii: their receptors do not meet."""
-CELL_STRIDES = np.array([1e8, 1e4, 1.0])  # Turns the corner of a cell into one number.
-AROUND = np.array([-1.0, 0.0, 1.0])  # Of a cell and its neighbours, along each coordinate.
 
 
 @dataclass(frozen=True)
@@ -192,5 +190,4 @@ def _of_three(terms: FloatArray) -> FloatArray:
 
 
 def _cells(scaled: FloatArray) -> FloatArray:
-    """Return the cells that places are in."""
     return np.floor(scaled) @ CELL_STRIDES

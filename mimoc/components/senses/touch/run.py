@@ -245,13 +245,11 @@ QUANTITIES: Mapping[str, Measure] = {
     ),
     "normal": Measure(("pressure",), 0.0, lambda forces, axes: forces.normal_forces_n),
 }
-"""What can be measured."""
 STROKED = Measure(("pressure", "stroked"), 0.0, lambda forces, axes: forces.normal_forces_n.repeat(2, axis=1))
 """The pressure, and what of it is stroking."""
 UNITS: Mapping[str, str] = {"sa1": "N", "ra": "N", "pc": "N", "ct": "1"}  # Of each channel.
 
 RESPONSES: Mapping[str, Response] = {"linear": Receptors.share, "nearest": Receptors.nearest}
-"""Which receptors respond."""
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,14 @@ from mimoc.bundle.io import Bundle
 from mimoc.components.senses.vestibular import CanalsEntry, VestibularEntry
 from mimoc.runtime.filter import Lags, lags_of
 from mimoc.runtime.noise import Draw, LowPass, Noise
-from mimoc.runtime.sense import FloatArray, Sense
-from mimoc.runtime.senses import TermSense
+from mimoc.runtime.sense import FloatArray, Sense, TermSense
 from mimoc.runtime.term import Field
 
 MAX_ACCELERATION_M_S2 = 1e4  # Bound of the observation; hard knocks of the head reach some hundreds.
 MAX_RATE_RAD_S = 1e3  # Bound of the observation.
+THRESHOLDS = {"m/s²": 0.03, "rad/s": math.radians(1.0)}
+"""What adults just feel, by unit: .6 to 2 deg/s and .01 to .05 m/s² at 1 Hz (from memory, M)."""
+BANDWIDTH_HZ = 5.0  # Up to which the noise is white (derived, D).
 
 
 def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
@@ -44,11 +46,6 @@ def _canals(canals: CanalsEntry, count: int) -> Lags:
     """
     leads_s, lags_s = ((canals.lead_s,), (canals.lag_s,)) if canals.lag_s else ((), ())
     return lags_of(count, (canals.adaptation_s, canals.time_constant_s), leads_s, lags_s, first=count - 3)
-
-
-THRESHOLDS = {"m/s²": 0.03, "rad/s": math.radians(1.0)}
-"""What adults just feel, by unit: .6 to 2 deg/s and .01 to .05 m/s² at 1 Hz (from memory, M)."""
-BANDWIDTH_HZ = 5.0  # Up to which the noise is white (derived, D).
 
 
 @dataclass(frozen=True)

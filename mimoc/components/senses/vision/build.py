@@ -54,7 +54,6 @@ def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object
 
 
 def _matured(spec: VisionSpec, entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:
-    """Yield the origins of what is as mature as at some age."""
     for name, rule, keys in rules_of(spec):
         unit, sources = UNITS.get(name, "1"), [f"spec.senses.vision.{key}" for key in keys]
         yield (
@@ -301,7 +300,6 @@ def _is_limited(maturity: float | str | None) -> bool:
 
 
 def _acuity_of(maturity: Any, vision: VisionSpec, age_months: float) -> float:
-    """Return the acuity at the age of something else that matures."""
     if maturity == "adult":
         return ADULT_CPD
     return acuity_at(age_months if maturity == "age" else float(maturity), vision.acuity_profile)

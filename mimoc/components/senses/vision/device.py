@@ -16,13 +16,21 @@ from gymnasium.spaces import Box
 from mimoc.base.mujoco_layout import SOLIDS_GROUP
 from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.eyes import HIDDEN_GROUP
-from mimoc.components.senses.vision.filters import Limits, fade, filter_of, limit_colours, limits_of, noticed_share
-from mimoc.components.senses.vision.foveation import contrast_gain, source_weights, visual_field
+from mimoc.components.senses.vision.filters import (
+    Limits,
+    contrast_gains,
+    fade,
+    filter_of,
+    limit_colours,
+    limits_of,
+    noticed_share,
+)
+from mimoc.components.senses.vision.foveation import source_weights, visual_field
 from mimoc.components.senses.vision.thresholds import Transform, cosine_matrix
 from mimoc.render.renderer import average_down
-from mimoc.runtime.batch.gymnasium_forms import mixture_error
 from mimoc.runtime.device.arrays import put
 from mimoc.runtime.device.signals import DeviceError, DeviceSetup
+from mimoc.runtime.gymnasium_forms import mixture_error
 from mimoc.runtime.sense import FloatArray, IntArray, Observation, Sample, Sense
 
 # pyright: reportArgumentType=false, reportCallIssue=false, reportReturnType=false
@@ -112,15 +120,12 @@ def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float, ey
 
     That is all of it where acuity is not limited, or limits luminance apart from chroma.
     """
-    shares = entry.acuity_shares or (1.0,) * eyes
-    size = width_px, height_px, fovy_deg
-    if entry.acuity_cpd is None or limits_of(entry, (width_px, height_px), fovy_deg) is not None:
-        return np.ones((len(shares), height_px, width_px))
-    return np.stack([contrast_gain(*size, share * entry.acuity_cpd, entry.contrast) for share in shares]).astype(float)
+    shares, size = entry.acuity_shares or (1.0,) * eyes, (width_px, height_px)
+    gains = None if limits_of(entry, size, fovy_deg) else contrast_gains(entry, size, fovy_deg, shares)
+    return np.ones((len(shares), height_px, width_px)) if gains is None else np.array(gains, float, ndmin=3)
 
 
 def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:
-    """Return what each pixel that is seen averages of the picture as it was drawn, shape (pixels, pixels), sparse."""
     weights = source_weights(entry.width_px, entry.height_px, strength, radius).tocoo()
     places, device = np.stack([weights.row, weights.col]).astype(np.int64), wp.device_to_torch(wp.get_device())
     with torch.sparse.check_sparse_tensor_invariants():  # Torch warns of whoever does not say whether to check.
@@ -314,7 +319,6 @@ class Eyes:
 
 
 def _without(model: mujoco.MjModel, bodies: Sequence[str]) -> mujoco.MjModel:
-    """Return a copy of a model in which some bodies are not drawn."""
     shown = copy.copy(model)
     shown.geom_group[shown.geom_group == SOLIDS_GROUP] = 0  # Its ray caster draws no skins.
     hidden = [model.body(body).id for body in bodies]

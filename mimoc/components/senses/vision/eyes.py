@@ -14,6 +14,14 @@ from mimoc.components.senses.vision.filters import distances
 from mimoc.render.renderer import SHARED, Renderer, Setting, Shown, assets_of
 
 Drawn = npt.NDArray[np.uint8]  # Shape (cameras, height, width, 3).
+MIN_SLICES = 12
+SLICES_PER_ROOT_PX = 2.0
+"""Sides of drawn balls and limbs, per square root of the picture's height in pixels, at most what the model asks for:
+the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
+`benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
+STACKS_PER_SLICE = 2 / 3
+PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]  # What eyes do without.
+HIDDEN_GROUP = 4  # A group of geoms that MuJoCo does not draw unless asked to, and eyes never ask for.
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,16 +31,6 @@ class View:
     drawn: Drawn
     distances_m: npt.NDArray[np.float32]
     """Along the line of sight, shape (cameras, height, width)."""
-
-
-MIN_SLICES = 12
-SLICES_PER_ROOT_PX = 2.0
-"""Sides of drawn balls and limbs, per square root of the picture's height in pixels, at most what the model asks for:
-the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
-`benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
-STACKS_PER_SLICE = 2 / 3
-PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]  # What eyes do without.
-HIDDEN_GROUP = 4  # A group of geoms that MuJoCo does not draw unless asked to, and eyes never ask for.
 
 
 class Eyes:
@@ -50,15 +48,9 @@ class Eyes:
         unseen: Collection[str] = (),
         shown: Shown = "skin",
     ):
-        """Open an OpenGL context for pictures of this size.
+        """Open an OpenGL context for pictures of this size; geoms and colours of the model may change later.
 
-        Args:
-            model: The model, whose geoms and colours may change later.
-            cameras: Names in the model.
-            width_px: Of a picture.
-            height_px: Of a picture.
-            unseen: Bodies that are not drawn.
-            shown: What is drawn of infants.
+        *unseen* are bodies that are not drawn, *shown* is what is drawn of infants.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.

@@ -38,7 +38,15 @@ import numpy.typing as npt
 from scipy import fft, special
 
 from mimoc.components.senses.vision import VisionEntry
-from mimoc.components.senses.vision.foveation import ROWS_AND_COLUMNS, Pictures, contrast_gain, pixels_per_degree
+from mimoc.components.senses.vision.foveation import (
+    ROWS_AND_COLUMNS,
+    FloatArray,
+    Pictures,
+    contrast_gain,
+    cosine_frequencies_cpd,
+    pixel_tangents,
+    read_only,
+)
 from mimoc.components.senses.vision.thresholds import Bands, Transform, above_threshold, stacked_bands, threshold_bands
 from mimoc.runtime.filter import Filter
 
@@ -88,13 +96,15 @@ def limits_of(entry: VisionEntry, size_px: tuple[int, int], fovy_deg: float) -> 
             )
         )
     else:
-        luminance = _gains(entry, size_px, fovy_deg, shares)
+        luminance = contrast_gains(entry, size_px, fovy_deg, shares)
     finest = tuple(share * (1.0 if purity is None else CHROMA_ACUITY) for share in shares)
     seen = purity if purity is not None and (purity >= MIN_PURITY or entry.chroma_gain < 1) else None
-    return Limits(luminance, _gains(entry, size_px, fovy_deg, finest), seen, entry.chroma_gain)
+    return Limits(luminance, contrast_gains(entry, size_px, fovy_deg, finest), seen, entry.chroma_gain)
 
 
-def _gains(entry: VisionEntry, size_px: tuple[int, int], fovy_deg: float, shares: tuple[float, ...]) -> Pictures | None:
+def contrast_gains(
+    entry: VisionEntry, size_px: tuple[int, int], fovy_deg: float, shares: tuple[float, ...]
+) -> Pictures | None:
     """Return the share that is left of each cosine, with some shares of the acuity; None if that is not limited."""
     if entry.acuity_cpd is None:
         return None
@@ -121,7 +131,6 @@ def limit_colours(pictures: Any, limits: Limits, transform: Transform) -> Any:
 
 
 def _limited(planes: Any, limit: Bands | Any, transform: Transform) -> Any:
-    """Return planes of which each cosine, or what is above the threshold, is left."""
     if limit is None:
         return planes
     if isinstance(limit, Bands):
@@ -159,27 +168,21 @@ def filter_of(entry: VisionEntry) -> Persistence | None:
     return None if entry.flicker_hz is None else Persistence(np.array([entry.flicker_hz]))
 
 
-Planes = npt.NDArray[np.float32]  # Shape (height, width).
-
 EDGE_DEG = 10.0  # Within which visibility falls from 1 to 0, as half a cosine: a choice.
 
 
 @functools.lru_cache(maxsize=32)
-def noticed_share(width_px: int, height_px: int, fovy_deg: float, noticed_deg: float) -> Planes:
+def noticed_share(width_px: int, height_px: int, fovy_deg: float, noticed_deg: float) -> Pictures:
     """Return how much of each pixel is noticed, shape (height, width), from 0 to 1; read-only.
 
     It is 1 up to *noticed_deg* from the line of sight, and 0 from 10° more on. In a picture so coarse that the middle
     of each pixel is beyond that, the pixels next to the line of sight are noticed.
     """
-    tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
-    across, down = ((np.arange(size) + 0.5 - size / 2) * tangent for size in (width_px, height_px))
+    across, down = pixel_tangents(width_px, height_px, fovy_deg)
     angles_deg = np.degrees(np.arctan(np.hypot(down[:, None], across)))
     beyond = ((angles_deg - noticed_deg) / EDGE_DEG).clip(0, 1)
-    share = (0.5 + 0.5 * np.cos(np.pi * beyond)).astype(np.float32)
-    if not share.any():
-        share = np.isclose(angles_deg, angles_deg.min()).astype(np.float32)
-    share.flags.writeable = False
-    return share
+    share = read_only(0.5 + 0.5 * np.cos(np.pi * beyond))
+    return share if share.any() else read_only(np.isclose(angles_deg, angles_deg.min()))
 
 
 def fade(pictures: Any, share: Any) -> Any:
@@ -191,8 +194,6 @@ def fade(pictures: Any, share: Any) -> Any:
     mean = noticed.sum((-3, -2))[..., None, None, :] / share.sum((-3, -2))[..., None, None, :]
     return noticed + mean * (1 - share)
 
-
-FloatArray = npt.NDArray[np.float64]
 
 FOCUSED_M = 0.25
 """Distance that newborns' eyes are focused on: between Haynes, White & Held's 19 cm (1965) and Hainline et al.'s 30
@@ -241,12 +242,8 @@ def disc_gain(width_px: int, height_px: int, fovy_deg: float, disc_deg: float) -
 
     It is 2 J1(x) / x with x = pi disc f; where that is negative, gratings are seen with dark and light exchanged.
     """
-    rows, columns = (np.arange(size_px) / (2 * size_px) for size_px in (height_px, width_px))
-    frequencies_cpd = np.hypot(rows[:, None], columns) * pixels_per_degree(height_px, fovy_deg)
-    x = np.maximum(np.pi * disc_deg * frequencies_cpd, 1e-9)
-    gain = (2 * special.j1(x) / x).astype(np.float32)
-    gain.flags.writeable = False
-    return gain
+    x = np.maximum(np.pi * disc_deg * cosine_frequencies_cpd(width_px, height_px, fovy_deg), 1e-9)
+    return read_only(2 * special.j1(x) / x)
 
 
 def distances(depths: npt.NDArray[np.float32], near_m: float, far_m: float) -> npt.NDArray[np.float32]:

@@ -3,6 +3,7 @@
 import functools
 import math
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -151,11 +152,20 @@ def contrast_gain(width_px: int, height_px: int, fovy_deg: float, acuity_cpd: fl
 
     It is what one of `CONTRAST_LAWS` says of its cycles per degree, as degrees are at the centre.
     """
+    return read_only(CONTRAST_LAWS[law](cosine_frequencies_cpd(width_px, height_px, fovy_deg), acuity_cpd))
+
+
+def cosine_frequencies_cpd(width_px: int, height_px: int, fovy_deg: float) -> FloatArray:
+    """Return the frequency of each cosine of a picture at its centre, in cycles per degree, shape (height, width)."""
     rows, columns = (np.arange(size_px) / (2 * size_px) for size_px in (height_px, width_px))
-    frequencies_cpd = np.hypot(rows[:, None], columns) * pixels_per_degree(height_px, fovy_deg)
-    gain = CONTRAST_LAWS[law](frequencies_cpd, acuity_cpd).astype(np.float32)
-    gain.flags.writeable = False
-    return gain
+    return np.hypot(rows[:, None], columns) * pixels_per_degree(height_px, fovy_deg)
+
+
+def read_only(values: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return numbers with 32 bits, to be kept and shared."""
+    array = values.astype(np.float32)
+    array.flags.writeable = False
+    return array
 
 
 def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapping[Direction, float]) -> Pictures:
@@ -163,8 +173,7 @@ def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapp
 
     *field_deg* is how far it sees `left`, `right`, `up` and `down` of its line of sight, in the picture's plane.
     """
-    tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
-    across, down = ((np.arange(size) + 0.5 - size / 2) * tangent for size in (width_px, height_px))
+    across, down = pixel_tangents(width_px, height_px, fovy_deg)
     tangents = {side: math.tan(math.radians(min(angle_deg, MAX_DEG))) for side, angle_deg in field_deg.items()}
     left, right, up, low = (tangents.get(side, math.inf) for side in ("left", "right", "up", "down"))
     columns, rows = (across >= -left) & (across <= right), (down >= -up) & (down <= low)
@@ -172,6 +181,12 @@ def visual_field(width_px: int, height_px: int, fovy_deg: float, field_deg: Mapp
 
 
 MAX_DEG = 89.9  # Beyond this no plane picture reaches.
+
+
+def pixel_tangents(width_px: int, height_px: int, fovy_deg: float) -> list[FloatArray]:
+    """Return the tangents of the angles to the middles of pixels, from left to right and from the top down."""
+    tangent = 2 * math.tan(math.radians(fovy_deg) / 2) / height_px
+    return [(np.arange(size, dtype=np.float64) + 0.5 - size / 2) * tangent for size in (width_px, height_px)]
 
 
 def _power_law(frequencies_cpd: FloatArray, acuity_cpd: float) -> FloatArray:

@@ -12,6 +12,7 @@ from mimoc.components.senses.vision import VisionEntry
 from mimoc.components.senses.vision.eyes import Drawn, Eyes, View
 from mimoc.components.senses.vision.filters import (
     Lens,
+    contrast_gains,
     defocus,
     fade,
     filter_of,
@@ -19,15 +20,8 @@ from mimoc.components.senses.vision.filters import (
     limits_of,
     noticed_share,
 )
-from mimoc.components.senses.vision.foveation import (
-    Pictures,
-    blur,
-    contrast_gain,
-    foveate,
-    source_weights,
-    visual_field,
-)
-from mimoc.components.senses.vision.thresholds import NUMPY
+from mimoc.components.senses.vision.foveation import Pictures, blur, foveate, source_weights, visual_field
+from mimoc.components.senses.vision.thresholds import COSINES
 from mimoc.render.renderer import average_down
 from mimoc.runtime.sense import IntArray, Observation, Sample, Sense
 
@@ -105,13 +99,9 @@ def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
     chain: list[Filter] = []
     drawn = entry.width_px * entry.supersample, entry.height_px * entry.supersample
     if (limits := limits_of(entry, drawn, fovy_deg)) is not None:
-        chain.append(partial(limit_colours, limits=limits, transform=NUMPY))
-    elif entry.acuity_cpd is not None:
-        gains = [
-            contrast_gain(*drawn, fovy_deg, share * entry.acuity_cpd, entry.contrast)
-            for share in entry.acuity_shares or (1.0,)
-        ]
-        chain.append(partial(blur, gain=np.stack(gains) if len(gains) > 1 else gains[0]))
+        chain.append(partial(limit_colours, limits=limits, transform=COSINES))
+    elif (gain := contrast_gains(entry, drawn, fovy_deg, entry.acuity_shares or (1.0,))) is not None:
+        chain.append(partial(blur, gain=gain))
     if entry.field_deg:
         chain.append(partial(np.multiply, visual_field(*drawn, fovy_deg, entry.field_deg)[..., None]))
     if entry.noticed_deg is not None:

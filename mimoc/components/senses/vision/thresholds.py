@@ -24,9 +24,8 @@ import numpy.typing as npt
 from scipy import fft
 
 from mimoc.components.senses.vision import CSF_EXPONENT
-from mimoc.components.senses.vision.foveation import pixels_per_degree
+from mimoc.components.senses.vision.foveation import FloatArray, pixels_per_degree, read_only
 
-FloatArray = npt.NDArray[np.float64]
 Planes = npt.NDArray[np.float32]  # Shape (..., height, width).
 
 MIN_CPD = 0.1  # Below the lowest frequency that infants were tested with, sensitivity is as there.
@@ -126,9 +125,9 @@ def threshold_bands(
     pairs = []
     for weight in weights:
         rows, columns = (_grid_size(reach) for reach in (weight.max(axis=1) > 0, weight.max(axis=0) > 0))
-        scale = np.sqrt(rows * columns / (height * width))
-        pairs.append(_kept(scale * np.stack([weight * sensitivity * (left > 0), weight * left])[:, :rows, :columns]))
-    return Bands(_kept((1 - np.sum(weights, axis=0)).clip(0) * left), tuple(pairs))
+        pair = np.stack([weight * sensitivity * (left > 0), weight * left])[:, :rows, :columns]
+        pairs.append(read_only(np.sqrt(rows * columns / (height * width)) * pair))
+    return Bands(read_only((1 - np.sum(weights, axis=0)).clip(0) * left), tuple(pairs))
 
 
 def stacked_bands(of_eyes: tuple[Bands, ...]) -> Bands:
@@ -151,12 +150,6 @@ def _grid_size(reach: npt.NDArray[np.bool_]) -> int:
     return min(math.ceil(wanted / GRID_PX) * GRID_PX, len(reach))
 
 
-def _kept(values: FloatArray) -> Planes:
-    array = values.astype(np.float32)
-    array.flags.writeable = False
-    return array
-
-
 def forward(planes: Planes) -> Planes:
     """Return the cosine transform of planes."""
     rows, columns = planes.shape[-2:]
@@ -173,13 +166,13 @@ def inverse(spectrum: Planes) -> Planes:
     return np.matmul(np.matmul(cosines(rows).T, spectrum), cosines(columns))
 
 
-NUMPY = Transform(forward, inverse, np)
+COSINES = Transform(forward, inverse, np)
 
 
 @functools.lru_cache(maxsize=64)
 def cosines(size: int) -> Planes:
     """Return the matrix of the cosine transform, shape (frequencies, points), whose transpose is its inverse."""
-    return _kept(cosine_matrix(size))
+    return read_only(cosine_matrix(size))
 
 
 def cosine_matrix(size: int) -> FloatArray:

@@ -10,10 +10,9 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.components.tasks.catch import CatchEntry
 from mimoc.runtime.actuation import bind_actuation
-from mimoc.runtime.judgement import Judgement
 from mimoc.runtime.model_fields import ModelField
 from mimoc.runtime.sense import FloatArray, IntArray
-from mimoc.runtime.task import Task
+from mimoc.runtime.task import Judgement, Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.schema.task import BallEntry

@@ -11,19 +11,23 @@ import mujoco
 import numpy as np
 
 from mimoc.base.errors import BundleError
-from mimoc.base.geometry.rotations import direction
 from mimoc.base.mujoco_layout import LOCK_ANGLE
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
-from mimoc.components.tasks.reach import ReachEntry
-from mimoc.runtime.judgement import NOTHING, Change, Judgement
+from mimoc.components.tasks.reach import ReachEntry, ball_from_shoulder
 from mimoc.runtime.model_fields import ModelField
 from mimoc.runtime.sense import FloatArray, IntArray
-from mimoc.runtime.task import Task
+from mimoc.runtime.task import NOTHING, Change, Judgement, Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.schema.task import GazeEntry
+
+STILL_M = 1e-4  # How far a ball that nobody touches may seem to move.
+GAZE_ROUNDS = 12  # Rounds until the gaze reaches the ball at the start: each reduces the error by more than half.
+MAX_DRAWS = 100
+"""How often a place is drawn at most until the ball touches nothing there; of newborns, who have the shortest arms for
+their chests, one place in nine is within the infant."""
 
 
 @dataclass(frozen=True)
@@ -91,13 +95,6 @@ def _triple(axes: Any, first: Any, second: Any) -> Any:
     return axes[..., 0] * across[0] + axes[..., 1] * across[1] + axes[..., 2] * across[2]
 
 
-STILL_M = 1e-4  # How far a ball that nobody touches may seem to move.
-GAZE_ROUNDS = 12  # Rounds until the gaze reaches the ball at the start: each reduces the error by more than half.
-MAX_DRAWS = 100
-"""How often a place is drawn at most until the ball touches nothing there; of newborns, who have the shortest arms for
-their chests, one place in nine is within the infant."""
-
-
 @dataclass(frozen=True)
 class Reach(Term):
     """Distance from hand to ball costs as much as it is, a touch or a hold earns a reward and ends the episode.
@@ -158,12 +155,7 @@ class ReachTask(Task):
             self.remember(held=0.0)
         for _ in range(MAX_DRAWS):
             trunk = data.xmat[self._trunk].reshape(3, 3)
-            if self._entry.box_m:
-                away_m = np.array([generator.uniform(*ends) for ends in self._entry.box_m])
-            else:
-                ranges = (self._entry.distance_m, self._entry.azimuth_rad, self._entry.elevation_rad)
-                distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
-                away_m = distance_m * direction(azimuth, elevation)
+            away_m = ball_from_shoulder(self._entry, lambda ends: generator.uniform(*ends))
             self._hang(data, data.xpos[self._shoulder] + trunk @ away_m)
             if not (data.contact.geom == self._ball_geom).any():
                 break

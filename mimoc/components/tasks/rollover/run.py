@@ -12,8 +12,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import check_contacts
 from mimoc.components.tasks.rollover import RolloverEntry
 from mimoc.runtime.actuation import command_range
-from mimoc.runtime.judgement import Judgement
-from mimoc.runtime.task import SquaredCommands, Task
+from mimoc.runtime.task import Judgement, SquaredCommands, Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.components.tasks.selfbody import SelfbodyEntry
-from mimoc.runtime.judgement import Judgement
 from mimoc.runtime.sense import IntArray
-from mimoc.runtime.task import Task
+from mimoc.runtime.task import Judgement, Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
@@ -51,7 +50,6 @@ class Selfbody(Term):
         return Judgement(terms, success=is_hit, terminated=is_hit)
 
     def _distance_m(self, worlds: Worlds, is_goal: Any) -> Any:
-        """Return how far the fingers are from the nearest of the middles of the solids that are wanted, shape (k,)."""
         xp = worlds.xp
         offsets_m = xp.take(worlds.geom_xpos, self.geoms, axis=1) - worlds.xpos[:, None, self.fingers, :]
         is_wanted = xp.take(is_goal, self.parts, axis=1)

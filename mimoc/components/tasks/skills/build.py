@@ -16,7 +16,7 @@ from mimoc.base.units import GRAVITY_M_S2, ms_to_s
 from mimoc.body.kinematics import FloatArray, body_reaches, frames, frames_in_world
 from mimoc.body.poses import Pose, poses_of, resting_state, standing_height
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
+from mimoc.compiler.mjcf.elements import Furniture, WorldGeom, WorldMaterial
 from mimoc.compiler.mjcf.world import FreeObject
 from mimoc.compiler.task_setup import Hold, Side, TaskSetup, ball, joints_of, middle_finger, require
 from mimoc.components.tasks.free import FreeEntry
@@ -198,9 +198,7 @@ ARMS = tuple(f"{side}_{part}" for side in ("right", "left") for part in ("upper_
 HANDS = tuple(f"{side}_hand" for side in ("right", "left"))
 LEGS = tuple(f"{side}_{part}" for side in ("right", "left") for part in ("upper_leg", "lower_leg"))
 ALL_BUT_FEET = (*TRUNK, *HEAD, *ARMS, *HANDS, *LEGS)
-STANDING: Mapping[str, tuple[float, Shares]] = {
-    "standing": (1.0, {"hip_height": (0.4, 0.95), "upright": (0.2, 0.95)}),
-}
+STANDING: Mapping[str, tuple[float, Shares]] = {"standing": (1.0, {"hip_height": (0.4, 0.95), "upright": (0.2, 0.95)})}
 FALLEN: Mapping[Measure, float] = {"head_height": 0.6}  # With the head lower than that, who stands or walks has fallen.
 
 _STAND: Mapping[Measure, float] = {"upright": 0.8, "head_height": 0.85}
@@ -286,12 +284,7 @@ SKILLS: Mapping[str, Skill] = {
         begin=lying("standing"),
     ),
     "grasp": Skill(
-        4.5,
-        {"near": -0.11},
-        {"held": (1.0, {"near": (-0.12, -0.03)})},
-        kept_s=4.0,
-        fall={"near": -0.14},
-        begin=holding,
+        4.5, {"near": -0.11}, {"held": (1.0, {"near": (-0.12, -0.03)})}, kept_s=4.0, fall={"near": -0.14}, begin=holding
     ),
 }
 """By name of the task, or with what chooses among several."""

@@ -13,9 +13,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.components.tasks.skills import BoundEntry, Measure, RewardEntry, SkillEntry
 from mimoc.runtime.actuation import Actuation, bind_actuation
-from mimoc.runtime.judgement import FORCES, Change, Judgement
 from mimoc.runtime.sense import FloatArray, IntArray
-from mimoc.runtime.task import Task
+from mimoc.runtime.task import FORCES, Change, Judgement, Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 
@@ -205,14 +204,14 @@ class SkillTask(Task):
         at_rest = np.clip(-term.low / term.span, 0.0, 1.0)[0]
         self.remember(heading=heading, way=way, walked_m=0.0, kept=0.0, step=0.0, reached=False, commands=at_rest)
         if self._entry.helped:
-            entry, steps = self._entry, self._entry.steps or 1
-            pushes = len(self.memory["push_at"])
-            first_s, share = 1.0 / self._step_s, steps / max(pushes, 1)
-            at = first_s + (np.arange(pushes) + generator.uniform(0.0, 0.7, pushes)) * share * 0.9
+            entry, pushes = self._entry, len(self.memory["push_at"])
+            second, apart = 1.0 / self._step_s, (entry.steps or 1) / max(pushes, 1)  # In control steps.
+            push_at = second + (np.arange(pushes) + generator.uniform(0.0, 0.7, pushes)) * apart * 0.9
             angles = generator.uniform(-pi, pi, pushes)
             push_n = entry.push_n * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
             support_n = float(generator.uniform(*entry.support_n))
-            self.remember(push_at=np.floor(at), push_n=push_n if entry.pushes else 0 * push_n, support_n=support_n)
+            push_n = push_n if entry.pushes else 0 * push_n
+            self.remember(push_at=np.floor(push_at), push_n=push_n, support_n=support_n)
             data.xfrc_applied[self.forced[0], 2] = support_n
 
     def _term(self, actuation: Actuation) -> Skill:

@@ -16,10 +16,39 @@ from mimoc.base.geometry.solvers import root
 from mimoc.body.kinematics import FloatArray, frames, length_m, pose
 from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
 from mimoc.body.tree import BodyTree
-from mimoc.compiler.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
+from mimoc.compiler.mjcf.elements import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial, rail_height
 from mimoc.compiler.task_setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.components.tasks.standup import StandupEntry
 from mimoc.schema.task import TaskSpec
+
+STEPS = 500  # Of an episode (MIMo).
+BASE_IN_CHILDREN = 0.2 / 0.82
+"""Height of the head that earns nothing, for one length of the child: at 18 months, 0.82 m long, 0.2 m (MIMo)."""
+STANDING = 0.85  # Share of the height of its head, when all joints are straight, from which on an infant stands.
+
+SIDES: tuple[Side, Side] = ("right", "left")
+LEANING_BACK_DEG = 48.0  # Of the pelvis.
+TURN = matrix_from_axis((0.0, 1.0, 0.0), -math.radians(LEANING_BACK_DEG))
+"""World from hip of a seated infant, shape (3, 3)."""
+CURVED_DEG: Mapping[str, float] = {"hip_bend1": 15.0, "hip_bend2": 15.0, "head_tilt": -10.0}
+"""The back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
+HIPS_DEG = range(-88, -101, -1)
+"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down.
+Further than the last, the legs of the youngest would touch the trunk."""
+STRETCHED = 0.96
+"""How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
+COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
+LOCKED = ("neck", "eyes", "left_hand", "right_hand")
+"""What neither stands up nor holds on, and would loll, and hands but for their wrists, which stay closed."""
+WRIST = ("hand1", "hand2", "hand3")
+_PRECISION_DEG = 1e-9
+
+HALF_SPAN_IN_CHILDREN = 0.45
+"""From the middle of the rail to a post, for one length of the child: as far as an arm reaches to the side."""
+POST_RADIUS_M = 0.015
+WOOD = WorldMaterial("rail_wood", (0.82, 0.66, 0.46, 1.0))
+_ALONG_Y: Vec3 = (math.pi / 2, 0.0, 0.0)
+_UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
 
 CLEAR_M = 0.001  # Between a bar and the hand around it: the hold carries the infant, not the contact.
 KNUCKLES_DEG = 60.0  # How far the fingers are bent at the knuckles.
@@ -49,6 +78,8 @@ ROUNDS = 40
 SHYNESS, FADING, MIN_SHYNESS = 0.1, 0.6, 1e-4
 """How much a radian away from there counts against a metre at first, what is left of that after each round, and at
 last."""
+THUMBS_INSIDE: Mapping[Side, Vec3] = {"right": (0.0, 1.0, 0.0), "left": (0.0, -1.0, 0.0)}
+"""Where the x axes of hands point along a bar before the infant, to the side of their thumbs."""
 TURN_M = 0.1  # What a hand that is turned the wrong way by one radian counts like.
 STEP_RAD = 1e-6
 
@@ -75,6 +106,13 @@ def grip_point(tree: BodyTree, side: Side, radius_m: float) -> Vec3:
     inwards = -1.0 if side == "right" else 1.0
     before_m = away_m * math.tan(math.radians(KNUCKLES_DEG) / 2)
     return palm.pos_m[0], palm.pos_m[1] + inwards * away_m, knuckles.pos_m[2] - before_m
+
+
+def arm_length(tree: BodyTree, side: Side, point_m: Vec3) -> float:
+    """Return how far a point of the hand, in the hand's frame, is from the shoulder of a straight arm, in [m]."""
+    straight = frames(tree, {})
+    origin, turn = straight[f"{side}_hand"]
+    return float(np.linalg.norm(origin + turn @ point_m - straight[f"{side}_upper_arm"][0]))
 
 
 def arm_to_bar(
@@ -134,15 +172,6 @@ def _search(
     return angles
 
 
-HALF_SPAN_IN_CHILDREN = 0.45
-"""From the middle of the rail to a post, for one length of the child: as far as an arm reaches to the side."""
-POST_RADIUS_M = 0.015
-WOOD = WorldMaterial("rail_wood", (0.82, 0.66, 0.46, 1.0))
-
-_ALONG_Y: Vec3 = (math.pi / 2, 0.0, 0.0)
-_UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
-
-
 @dataclass(frozen=True, slots=True)
 class Rail:
     """A rail along y, on the floor at z = 0."""
@@ -166,29 +195,6 @@ class Rail:
     def _post(self, name: str, side: float) -> WorldGeom:
         middle, size = (self.x_m, side * self.half_span_m, self.height_m / 2), (POST_RADIUS_M, self.height_m / 2)
         return WorldGeom(f"rail_post_{name}", "cylinder", size, middle, _UPRIGHT, WOOD.name)
-
-
-STEPS = 500  # Of an episode (MIMo).
-BASE_IN_CHILDREN = 0.2 / 0.82
-"""Height of the head that earns nothing, for one length of the child: at 18 months, 0.82 m long, 0.2 m (MIMo)."""
-STANDING = 0.85  # Share of the height of its head, when all joints are straight, from which on an infant stands.
-
-SIDES: tuple[Side, Side] = ("right", "left")
-LEANING_BACK_DEG = 48.0  # Of the pelvis.
-TURN = matrix_from_axis((0.0, 1.0, 0.0), -math.radians(LEANING_BACK_DEG))
-"""World from hip of a seated infant, shape (3, 3)."""
-CURVED_DEG: Mapping[str, float] = {"hip_bend1": 15.0, "hip_bend2": 15.0, "head_tilt": -10.0}
-"""The back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
-HIPS_DEG = range(-88, -101, -1)
-"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down.
-Further than the last, the legs of the youngest would touch the trunk."""
-STRETCHED = 0.96
-"""How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
-COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
-LOCKED = ("neck", "eyes", "left_hand", "right_hand")
-"""What neither stands up nor holds on, and would loll, and hands but for their wrists, which stay closed."""
-WRIST = ("hand1", "hand2", "hand3")
-_PRECISION_DEG = 1e-9
 
 
 @dataclass(frozen=True)
@@ -221,26 +227,21 @@ def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
     child_m, standing_m = length_m(tree), standing_height(tree) + float(frames(tree, {})["head"][0][2])
     # How far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
-    seated, straight = frames(tree, seat.angles_rad), frames(tree, {})
-    distances_m = []
+    seated, distances_m = frames(tree, seat.angles_rad), list[float]()
     for side in SIDES:
-        origin, turn = straight[f"{side}_hand"]
-        arm_m = float(np.linalg.norm(origin + turn @ grips[side] - straight[f"{side}_upper_arm"][0]))
+        stretched_m = STRETCHED * arm_length(tree, side, grips[side])
         x_m, _, z_m = seat.in_world(seated[f"{side}_upper_arm"][0]).tolist()
         above_m = rail_height(tree) - z_m
-        if STRETCHED * arm_m <= above_m:
+        if stretched_m <= above_m:
             raise UnsupportedTaskError(
                 f"task '{task.kind}' starts with the hands at a rail; this infant's arms are too short"
             )
-        distances_m.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
+        distances_m.append(x_m + math.sqrt(stretched_m**2 - above_m**2))
     rail = Rail(min(distances_m), rail_height(tree), HALF_SPAN_IN_CHILDREN * child_m)
     wrists = {f"robot:{side}_{name}" for side in SIDES for name in WRIST}
     return TaskSetup(
         entry=StandupEntry(
-            steps=task.steps or STEPS,
-            head="head",
-            base_m=BASE_IN_CHILDREN * child_m,
-            success_m=STANDING * standing_m,
+            steps=task.steps or STEPS, head="head", base_m=BASE_IN_CHILDREN * child_m, success_m=STANDING * standing_m
         ),
         start=_start(tree, seat, rail, grips),
         commanded=joints_of(tree, *COMMANDED),
@@ -260,7 +261,6 @@ def _sit(tree: BodyTree, task: str) -> Seat:
 
 
 def _seat(tree: BodyTree, hip_deg: float, task: str) -> Seat:
-    """Return how an infant sits with its hips at an angle."""
     angles = {f"robot:{name}": math.radians(angle) for name, angle in CURVED_DEG.items()}
     angles |= {f"robot:{side}_hip1": math.radians(hip_deg) for side in SIDES}
     for side in SIDES:
@@ -311,13 +311,11 @@ def _flat_foot(
 
 
 def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -> tuple[float, ...]:
-    """Return the infant on its seat, its hands at the rail, as qpos."""
     angles = dict(seat.angles_rad)
     seated = frames(tree, angles)
     for side in SIDES:
-        along = (0.0, 1.0 if side == "right" else -1.0, 0.0)  # The thumbs are on the inside.
         shoulder_y_m = float(seated[f"{side}_upper_arm"][0][1])
         place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
-        angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
+        angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(THUMBS_INSIDE[side]))
     hinges = (angles.get(joint, 0.0) for joint in tree.joints)
     return (0.0, 0.0, seat.height_m, *quaternion_from_axis((0.0, 1.0, 0.0), -math.radians(LEANING_BACK_DEG)), *hinges)

@@ -8,8 +8,7 @@ import mujoco
 from mimoc.bundle.io import Bundle
 from mimoc.components.tasks.standup import StandupEntry
 from mimoc.runtime.actuation import command_range
-from mimoc.runtime.judgement import Judgement
-from mimoc.runtime.task import SquaredCommands, Task
+from mimoc.runtime.task import Judgement, SquaredCommands, Task
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 

@@ -151,7 +151,6 @@ def _meshes_in(folder: Path) -> list[Path]:
 
 
 def _shown(folder: Path) -> list[Path]:
-    """Return the sorted contents of a folder, without hidden files."""
     return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
 
 

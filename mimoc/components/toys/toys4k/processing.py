@@ -9,10 +9,23 @@ import numpy.typing as npt
 
 from mimoc.base.errors import ToyError
 from mimoc.base.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
-from mimoc.compiler.toys.shape import Mesh, Solid, centre_of, join
-from mimoc.components.toys.toys4k.cleaning import Surface, clean, decimate, face_outwards, from_both_sides, only_used
-from mimoc.components.toys.toys4k.convex import MAX_FACES, MAX_PARTS, box_of, convex_parts, hull, is_thin, thin_box
-from mimoc.components.toys.toys4k.subprocesses import WorkerError, run_worker
+from mimoc.compiler.toys import Mesh, Solid, centre_of, join
+from mimoc.components.toys.toys4k.meshes import (
+    MAX_FACES,
+    MAX_PARTS,
+    Surface,
+    box_of,
+    clean,
+    convex_parts,
+    decimate,
+    face_outwards,
+    from_both_sides,
+    hull,
+    is_thin,
+    only_used,
+    thin_box,
+)
+from mimoc.components.toys.toys4k.worker import WorkerError, run_worker
 
 STEADY_DEG = 5.0  # Smallest angle at which an object tips over for a pose to count as stable.
 NEAR_DEG = 20.0  # Largest rotation from the upright pose of the file to a pose on its nearest side.
@@ -21,6 +34,15 @@ TOPS = {"obj": "y", "glb": "y", "ply": "z", "stl": "z"}
 """Up axis by file format: glTF requires y and Blender writes it to .obj by default; to .ply and .stl it writes z."""
 _UPRIGHT: dict[str, FloatArray] = {"y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), "z": np.eye(3)}
 """Rotation that makes an axis point up."""
+VERSION = 3  # Version of the processing, incremented with each change of its results.
+MAX_FACES_SEEN = 5000
+MAX_FACES_READ = 4_000_000
+READING_LIMIT_S = 90
+MAX_SHELLS, MIN_FACES = 100, 8
+"""A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes: only its
+hull is used."""
+MIN_FILLED = 0.05
+"""Smallest volume of a closed mesh, relative to that of its convex parts: below it, the mesh is a thin shell."""
 
 
 def set_down(normals: FloatArray, distances: FloatArray, top: str) -> FloatArray:
@@ -74,19 +96,7 @@ def _lean_deg(normals: FloatArray, distances: FloatArray) -> FloatArray:
 
 
 def _turn_down(normal: FloatArray) -> FloatArray:
-    """Return the smallest rotation that makes a direction point down."""
     return matrix_from_quaternion(quaternion_between(normal, np.array([0.0, 0.0, -1.0])))
-
-
-VERSION = 3  # Version of the processing, incremented with each change of its results.
-MAX_FACES_SEEN = 5000
-MAX_FACES_READ = 4_000_000
-READING_LIMIT_S = 90
-MAX_SHELLS, MIN_FACES = 100, 8
-"""A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes: only its
-hull is used."""
-MIN_FILLED = 0.05
-"""Smallest volume of a closed mesh, relative to that of its convex parts: below it, the mesh is a thin shell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

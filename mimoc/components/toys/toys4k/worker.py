@@ -1,16 +1,21 @@
-"""Script that processes untrusted meshes in a separate process, where a library may crash, hang or exhaust memory.
+"""Processing of untrusted meshes in a separate process, where a library may crash, hang or exhaust memory.
 
-It is run by `toys4k.subprocesses`, imports nothing from mimoc, and reads and writes archives of arrays.
+`run_worker` runs this file as a script, with limits on its time and memory. The script imports nothing from mimoc, and
+reads and writes archives of arrays.
 """
 
 import io
 import os
+import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
+import numpy.typing as npt
 
 Arrays = dict[str, np.ndarray]
 
@@ -106,7 +111,6 @@ def _readable(content: bytes, kind: str) -> bytes:
 
 
 def _triangles(loaded: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return the vertices and faces of a mesh or of all meshes of a scene."""
     graph, geometry = getattr(loaded, "graph", None), getattr(loaded, "geometry", None)
     if graph is None or geometry is None:
         placed = [(np.eye(4), loaded)]
@@ -120,6 +124,59 @@ def _triangles(loaded: Any) -> tuple[np.ndarray, np.ndarray]:
     starts = np.cumsum([0, *map(len, vertices)])
     faces = [np.asarray(mesh.faces, np.int64) + start for start, (_, mesh) in zip(starts, meshes, strict=False)]
     return np.concatenate(vertices), np.concatenate(faces)
+
+
+MEMORY_BYTES = 12 * 2**30  # Address space; far less is used, but libraries with threads reserve much.
+WALL_TIME_FACTOR = 4  # Limit on the wall time of a task, as a multiple of its limit on CPU time.
+OUT_OF_TIME = {-24, -9}
+"""Return codes of a process that ran out of CPU time: SIGXCPU, and SIGKILL where both limits are the same."""
+
+
+class WorkerError(Exception):
+    """A task failed; the message is a predicate without its subject, the mesh."""
+
+
+class WorkerTimeoutError(WorkerError):
+    """A task took too long: on a faster or less busy machine it may succeed."""
+
+
+def run_worker(task: str, content: bytes, *arguments: object, limit_s: int) -> dict[str, npt.NDArray]:
+    """Return the arrays that one of `TASKS` computes from its input and other arguments.
+
+    The limit is on its CPU time, which hardly depends on how busy the machine is.
+
+    Raises:
+        WorkerError: If it rejects its input, crashes, or runs out of time or memory.
+    """
+    command = [sys.executable, "-P", __file__, task, str(MEMORY_BYTES), str(limit_s), *map(str, arguments)]
+    try:
+        done = subprocess.run(
+            command, input=content, capture_output=True, timeout=WALL_TIME_FACTOR * limit_s, env=_environment()
+        )
+        if done.returncode == 0:
+            with np.load(io.BytesIO(done.stdout), allow_pickle=False) as arrays:
+                return dict(arrays)
+    except subprocess.TimeoutExpired:
+        raise WorkerTimeoutError(f"takes more than {WALL_TIME_FACTOR * limit_s} s to {task}") from None
+    except (OSError, ValueError, EOFError, BadZipFile) as error:
+        raise WorkerError(f"fails to {task} ({error})") from None
+    if done.returncode == REFUSED:
+        raise WorkerError(done.stderr.decode(errors="replace").splitlines()[-1])
+    if done.returncode in OUT_OF_TIME:
+        raise WorkerTimeoutError(f"takes more than {limit_s} s to {task}")
+    raise WorkerError(f"fails to {task}, with exit status {done.returncode}")
+
+
+def _environment() -> dict[str, str]:
+    """Return the environment of a worker: the same libraries, and few threads that do not wait actively."""
+    paths = [path for path in sys.path if Path(path).is_absolute()]
+    return {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(paths),
+        "OMP_NUM_THREADS": "4",
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_WAIT_POLICY": "passive",
+    }
 
 
 if __name__ == "__main__":

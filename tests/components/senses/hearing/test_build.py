@@ -8,7 +8,7 @@ from support import store
 import mimoc
 from mimoc.base.errors import SpecError
 from mimoc.compiler.explain import explain
-from mimoc.components.senses.hearing.build import ADULT_DB, excess_db, threshold_table
+from mimoc.components.senses.hearing import ADULT_DB, excess_db, threshold_table
 
 EXCESS_DB = {(0, 500): 40, (3, 8000): 28, (6, 1000): 14, (6, 4000): 9, (12, 1000): 12, (24, 4000): 4}
 

@@ -15,7 +15,6 @@ from mimoc.base.geometry.spherical_head import SOUND_M_S, interaural_time_s
 from mimoc.runtime.sound import Sound
 
 WAVE = {"output": "waveform", "thresholds": "off"}
-SENSES = {"vestibular": {}, "hearing": {}}
 
 
 def infant(age_months: float = 6, hearing: Any = WAVE, objects: Any = (), **keys) -> mimoc.Bundle:
@@ -103,25 +102,6 @@ def test_a_delay_is_that_of_the_observation():
         assert not sound[:, :late].any()
 
 
-@pytest.mark.parametrize("output", ["cochleagram", "waveform", "levels"])
-def test_rows_of_many_infants_are_single_infants_to_the_bit(output):
-    bundle = infant(hearing={"output": output}, objects=[cup(40.0)], noise={"hearing_db": 1.0})
-    envs = mimoc.make_vec(bundle, num_envs=3, autoreset_mode="Disabled")
-    singles = [mimoc.make(bundle).unwrapped for _ in range(3)]
-    envs.reset(seed=5)
-    for index, env in enumerate(singles):
-        env.reset(seed=5 + index)
-    chance, loud = np.random.default_rng(0), False
-    for _ in range(30):
-        actions = chance.uniform(-1, 1, envs.action_space.shape).astype(np.float32)
-        together = envs.step(actions)[0]["hearing"]
-        for row, env, action in zip(together, singles, actions, strict=True):
-            assert (row == env.step(action)[0]["hearing"]).all()
-        loud |= bool(together.any())
-    assert loud
-    envs.close()
-
-
 def test_a_state_a_copy_and_a_pickle_go_on_as_the_original():
     with closing(opened(infant(objects=[cup(40.0)]), companions={"speaker": Speaker(30, (0, 1, 0))})) as env:
         heard(env, 24, active=True)
@@ -159,13 +139,6 @@ def test_a_grown_infant_hears_on_with_a_larger_head():
         assert after.any()
         ways = np.abs(np.diff(np.concatenate([before, after], axis=1)))
         assert ways[:, 700:760].max() < 3 * ways.max()
-
-
-def test_an_infant_that_hears_nothing_makes_its_physics_steps_at_once():
-    bundle = store.built({"mimoc": 1, "name": "x", "age_months": 6, "senses": {"vestibular": {}}})
-    with closing(opened(bundle)) as env:
-        assert not env.schedule.companions
-        assert len(env.schedule.begin(np.zeros(env.model.nu))) == 1
 
 
 def test_the_young_do_not_hear_what_the_old_hear():

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import store
+from support.full import full_but
 
 import mimoc
 from mimoc.compiler.explain import explain
@@ -96,27 +97,21 @@ def test_the_lowest_pitch_is_half_an_octave_below_calm_sounds_of_the_age(age_mon
     assert "Kent & Murray" in explain(bundle, "actuation.voice.low_hz").lines[1]
 
 
-def test_rows_of_many_and_states_and_copies_have_the_voice():
-    bundle = infant(delays={"motor_ms": 20}, noise={"motor": 0.1, "delay_jitter_ms": 5})
-    envs = mimoc.make_vec(bundle, num_envs=2, autoreset_mode="Disabled")
-    single = opened(bundle)
-    envs.reset(seed=[3, 0])
-    single.reset(seed=3)
-    chance = np.random.default_rng(0)
-    for number in range(20):
-        actions = chance.uniform(envs.action_space.low, envs.action_space.high).astype(np.float32)
-        together = envs.step(actions)[0]["hearing"]
-        assert (single.step(actions[0])[0]["hearing"] == together[0]).all(), number
-    other, state = copy.deepcopy(single), single.get_state()
-    wanted = spoken(single, 0.5, 1.0, 6)
-    assert wanted.any()
-    assert (spoken(other, 0.5, 1.0, 6) == wanted).all()
-    single.set_state(state)
-    assert (spoken(single, 0.5, 1.0, 6) == wanted).all()
-    envs.close()
+def test_states_and_copies_have_the_voice():
+    noise = {"motor": 0.1, "delay_jitter_ms": 5}
+    with closing(opened(infant(delays={"motor_ms": 20}, noise=noise))) as env:
+        spoken(env, 1.0, 0.5, 6)
+        other, state = copy.deepcopy(env), env.get_state()
+        wanted = spoken(env, 0.5, 1.0, 6)
+        assert wanted.any()
+        assert (spoken(other, 0.5, 1.0, 6) == wanted).all()
+        env.set_state(state)
+        assert (spoken(env, 0.5, 1.0, 6) == wanted).all()
 
 
-@pytest.mark.parametrize("policy", ["zero", "random", "general_movements", "random+zero", "sit", "kick+reflexes"])
+@pytest.mark.parametrize(
+    "policy", full_but(["random", "kick+reflexes"], ["zero", "general_movements", "random+zero", "sit"])
+)
 def test_policies_that_know_of_no_voice_are_silent(policy):
     senses = {**WAVE, "proprioception": {}, "vestibular": {}, "touch": {}}
     bundle = infant(senses=senses)
@@ -133,7 +128,7 @@ def test_policies_that_know_of_no_voice_are_silent(policy):
     assert "random" in POLICIES
 
 
-@pytest.mark.parametrize("task", sorted(TASKS))
+@pytest.mark.parametrize("task", full_but(["reach"], sorted(TASKS)))
 def test_tasks_judge_the_same_whether_it_speaks_or_not(task):
     rewards = []
     for voice, said in ((False, ()), (True, (0.5, 1.0))):

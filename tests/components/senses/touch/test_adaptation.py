@@ -8,8 +8,8 @@ from support import store
 
 import mimoc
 from mimoc.components.senses.touch.adaptation import adapting, stroking
-from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.term import stack_terms
+from mimoc.runtime.worlds import NUMPY
 
 CHANNELS = ("sa1", "ra", "pc")
 
@@ -106,17 +106,3 @@ def test_channels_are_of_pressure_and_are_explained():
     env = infant(channels=["ra"])
     assert env.manifest.senses.touch.quantity == "normal"
     assert env.layout("touch")[0].endswith(" ra [N]")
-
-
-def test_what_was_felt_is_in_the_state():
-    env = infant(channels=["sa1", "ra"])
-    env.reset(seed=0)
-    rng = np.random.default_rng(1)
-    actions = rng.uniform(-1, 1, (12, *env.action_space.shape)).astype(np.float32)
-    for action in actions[:4]:
-        env.step(action)
-    state = env.get_state()
-    first = [env.step(action)[0]["touch"] for action in actions[4:]]
-    env.set_state(state)
-    again = [env.step(action)[0]["touch"] for action in actions[4:]]
-    assert np.array_equal(first, again)

@@ -31,7 +31,6 @@ from mimoc.compiler.mjcf.sensor_sites import cameras
 from mimoc.components.senses.touch.build import (
     MAX_STEPS,
     _moved,
-    depth,
     even_points,
     lay_out,
     move_with_geoms,
@@ -198,9 +197,6 @@ def test_only_parts_whose_spacing_is_given_have_points_so_far_apart():
     assert given.spacing_m["left_hand"] == pytest.approx(0.5 * usual.spacing_m["left_hand"])
 
 
-MITTEN = assemble("mitten", False)
-
-
 @pytest.mark.parametrize("development", ["maturing", "published"])
 @given(st.floats(0, 24))
 @settings(max_examples=10)
@@ -305,20 +301,6 @@ def test_the_skin_that_is_given_out_cannot_be_written_to():
 
 HEAD = grow_average(18, assemble("mitten", False)).geoms["head"]
 APART_M = 0.013
-
-
-def test_neighbours_on_an_ellipsoid_are_a_spacing_apart():
-    points_m = place(HEAD, even_points(HEAD, APART_M))
-    distances_m, _ = KDTree(points_m).query(points_m, k=5)
-    assert depth(HEAD, points_m) == pytest.approx(0, abs=1e-12)
-    assert distances_m[:, 1].min() > 0.75 * APART_M
-    assert distances_m[:, 1:].mean(axis=1).max() < 1.15 * APART_M
-
-
-def test_points_on_an_ellipsoid_are_the_same_on_both_sides():
-    points_m = place(HEAD, even_points(HEAD, APART_M))
-    gaps_m, _ = KDTree(points_m).query(points_m * (1, -1, 1))
-    assert gaps_m.max() < 1e-6
 
 
 def test_points_on_an_ellipsoid_with_equal_half_axes_are_those_on_a_sphere():

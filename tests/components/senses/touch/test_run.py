@@ -52,13 +52,6 @@ def skin(
 # One thing that touches another.
 
 
-def test_the_floor_pushes_up():
-    data = world(ball())
-    (force,) = points(skin(data, {"ball": [BOTTOM]})(data))
-    assert force[2] > 0
-    assert force[:2] == pytest.approx([0, 0], abs=1e-9)
-
-
 def test_a_body_at_rest_senses_its_weight():
     data = world('<body name="box" pos="0 0 0.05"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="2"/></body>')
     corners = list(product((-0.05, 0.05), repeat=3))

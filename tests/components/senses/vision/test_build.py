@@ -84,13 +84,6 @@ def test_acuity_is_that_of_the_body_unless_the_spec_says_another():
     assert resolve_acuity(vision(acuity_profile="mimo_v2"), 6) == 5.64
 
 
-def test_the_runtime_is_told():
-    spec = {"mimoc": 1, "name": "infant", "age_months": 4, "senses": {"vision": {"acuity_profile": "mayer1995"}}}
-    told = mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.senses.vision
-    assert told
-    assert told.acuity_cpd == pytest.approx(2.68)
-
-
 def provenance(**vision) -> dict:
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "senses": {"vision": vision}}
     return entries_of(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
@@ -106,14 +99,6 @@ def test_acuity_is_traced_to_its_profile_and_the_age(profile):
 
 def test_acuity_that_is_given_is_traced_to_the_spec():
     assert provenance(acuity={"cpd": 4.2})["vision.acuity_cpd"]["rule"] == "given by the spec"
-
-
-def test_an_infant_with_one_eye_sees_with_it():
-    body, senses = {"remove": ["left_eye"], "skin": False}, {"vision": {"width_px": 16, "height_px": 16}}
-    spec = {"mimoc": 1, "name": "x", "age_months": 6, "body": body, "senses": senses}
-    with mimoc.make(mimoc.InfantSpec.model_validate(spec)) as env:
-        observation, _ = env.reset(seed=0)
-    assert list(observation) == ["eye_right"]
 
 
 AGES = np.linspace(0, 36, 73)
@@ -205,11 +190,6 @@ def test_the_template_follows_the_acuity_that_is_asked_for():
 @pytest.mark.parametrize(("strength", "seen"), [(0.3, 0.3), (1, 0.5), (1000, 1000 * (0.64 / 40) ** 0.5)])
 def test_a_newborns_fovea_is_weaker_but_never_stronger_than_an_adults(strength, seen):
     assert maturity.foveation_at(VisionSpec(foveation=strength, fovea="age"), 0) == pytest.approx(seen)
-
-
-@pytest.mark.parametrize("law", ["linear", "mimo3"])
-def test_the_laws_of_contrast_that_there_were_still_are(law):
-    assert built(contrast=law).manifest.senses.vision.contrast == law
 
 
 def test_a_threshold_without_its_numbers_is_no_entry():

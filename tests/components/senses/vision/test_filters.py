@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from scipy.special import sici
+from support.full import full_but
 
 import mimoc
 from mimoc.components.senses.vision import VisionEntry
@@ -20,9 +21,9 @@ from mimoc.components.senses.vision.filters import (
 )
 from mimoc.components.senses.vision.foveation import CONTRAST_LAWS, blur, contrast_gain, pixels_per_degree
 from mimoc.components.senses.vision.run import filters, perceive
-from mimoc.components.senses.vision.thresholds import NUMPY as TRANSFORM
-from mimoc.runtime.array_library import NUMPY
+from mimoc.components.senses.vision.thresholds import COSINES
 from mimoc.runtime.term import stack_terms
+from mimoc.runtime.worlds import NUMPY
 
 SIZES_PX = [(64, 64), (96, 48), (50, 81)]
 FULL_SCALE = 255.0
@@ -69,9 +70,9 @@ def test_pixels_per_degree_are_those_of_a_pinhole():
     assert pixels_per_degree(64, 60) == pytest.approx(focal_px * np.tan(np.radians(0.5)) * 2, rel=1e-4)
 
 
-@pytest.mark.parametrize("size_px", SIZES_PX)
+@pytest.mark.parametrize("size_px", full_but([(96, 48)], SIZES_PX))
 @pytest.mark.parametrize("fovy_deg", [20, 60])
-@pytest.mark.parametrize("angle_deg", [0, 30, 45, 90, 127])
+@pytest.mark.parametrize("angle_deg", full_but([30], [0, 45, 90, 127]))
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.8, 1.0, 1.3])
 def test_a_grating_keeps_the_contrast_that_its_frequency_leaves(size_px, fovy_deg, angle_deg, share):
     """1 - f / a, within .02, for an eye whose limit is at a fifth of the sampling frequency."""
@@ -87,27 +88,6 @@ def test_it_is_the_filter_of_a_picture_that_goes_on_as_its_mirror_image():
     picture = np.random.default_rng(0).uniform(0, FULL_SCALE, (40, 40))
     slow = filtered(picture, 20, "symmetric", pixels_per_degree(40, 60), 0.1)
     assert np.abs(seen(picture, 60, 0.1) - slow).max() < 1e-3
-
-
-@pytest.mark.parametrize("acuity_cpd", [0.15, 0.3])
-def test_it_agrees_with_padding_by_reflection(acuity_cpd):
-    """Which mirrors about the last pixel rather than beyond it: half a pixel's difference, and only near the border."""
-    smooth = filtered(np.random.default_rng(1).uniform(0, FULL_SCALE, (64, 64)), 0, "wrap", 1.0, 0.1)
-    scale = pixels_per_degree(64, 60)
-    difference = np.abs(
-        seen(smooth, 60, acuity_cpd)
-        - filtered(smooth, int(np.ceil(4 * scale / acuity_cpd)), "reflect", scale, acuity_cpd)
-    )
-    assert difference[16:-16, 16:-16].max() < 0.004 * FULL_SCALE
-    assert difference.max() < 0.06 * FULL_SCALE
-
-
-def test_what_is_at_one_border_does_not_show_at_the_other():
-    """As it would without padding: a picture that is black on the left and white on the right has grey borders then."""
-    picture = np.tile(np.repeat([0.0, FULL_SCALE], 32), (64, 1))
-    wrapped = filtered(picture, 0, "wrap", pixels_per_degree(64, 60), 0.1)
-    assert np.abs(wrapped - picture)[:, [0, -1]].max() > 0.4 * FULL_SCALE
-    assert np.abs(seen(picture, 60, 0.1) - picture)[:, [0, -1]].max() < 0.03 * FULL_SCALE
 
 
 @pytest.mark.parametrize("size_px", SIZES_PX)
@@ -152,13 +132,6 @@ def test_pictures_are_not_changed():
     assert np.array_equal(picture, before)
 
 
-def test_older_eyes_see_finer():
-    picture = np.random.default_rng(5).uniform(0, FULL_SCALE, (32, 32))
-    contrasts = [seen(picture, 60, acuity_cpd).std() for acuity_cpd in (0.05, 0.1, 0.3, 1, 10, 60)]
-    assert contrasts == sorted(contrasts)
-    assert contrasts[-1] == pytest.approx(picture.std(), rel=0.02)
-
-
 def test_the_gain_is_worked_out_once():
     assert contrast_gain(64, 48, 60.0, 3.0) is contrast_gain(64, 48, 60.0, 3.0)
     assert not contrast_gain(64, 48, 60.0, 3.0).flags.writeable
@@ -193,7 +166,7 @@ def plain(purity: float, hue: str) -> np.ndarray:
 def limited(pictures: np.ndarray, entry: VisionEntry) -> np.ndarray:
     limits = limits_of(entry, (SIZE_PX, SIZE_PX), 60.0)
     assert limits is not None
-    return limit_colours(pictures, limits, TRANSFORM)
+    return limit_colours(pictures, limits, COSINES)
 
 
 @pytest.mark.parametrize("hue", HUES)
@@ -346,19 +319,6 @@ def test_it_goes_on_while_the_infant_grows_until_it_is_mature():
     assert np.array_equal(env.unwrapped.get_state()["signals"]["noise"]["vision"][1], kept)
     assert env.unwrapped.senses["vision"].filter.flicker_hz == pytest.approx([3.5])
     env.close()
-
-
-def test_infants_in_a_batch_see_bit_for_bit_what_each_sees_alone():
-    specs = [made(1.0), made(5.0)]
-    batch, singles = mimoc.make_vec(specs, threads=2), [mimoc.make(spec) for spec in specs]
-    seen, alone = batch.reset(seed=[0, 1])[0], [env.reset(seed=seed)[0] for seed, env in enumerate(singles)]
-    for command in commands(singles[0], 5):
-        for index, single in enumerate(alone):
-            for eye in ("eye_left", "eye_right"):
-                assert np.array_equal(seen[eye][index], single[eye])
-        seen = batch.step(np.stack([command, command]))[0]
-        alone = [env.step(command)[0] for env in singles]
-    batch.close(), [env.close() for env in singles]
 
 
 WIDE_PX = 96

@@ -6,13 +6,20 @@ import pytest
 import mimoc
 from mimoc.base.errors import MimocError, UnknownNameError
 from mimoc.bundle.model import load_posed
-from mimoc.compiler import building, loading
+from mimoc.compiler import building
 from mimoc.compiler.mjcf.sensor_sites import UNSEEN
 from mimoc.components.senses.vision import VisionEntry, VisionSpec
 from mimoc.components.senses.vision.build import acuity_at
-from mimoc.components.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages, read_ages
 from mimoc.components.senses.vision.foveation import blur, contrast_gain
-from mimoc.components.senses.vision.preview import BLANK_RANGE, is_blank, preview
+from mimoc.components.senses.vision.preview import (
+    BLANK_RANGE,
+    DEFAULT_FOVEATION,
+    compare_ages,
+    is_blank,
+    preview,
+    read_ages,
+)
+from mimoc.schema import infant
 
 PLAYROOM = Path(__file__).parents[4] / "configs" / "playroom.yaml"
 DRAWN = VisionEntry(
@@ -84,7 +91,7 @@ def share_of_colours(picture, colours):
 
 def test_an_eye_looks_at_the_toy_that_it_sees_best():
     """The one before it that is largest for its distance; its colours are in the middle, which they were not."""
-    bundle = building.builder(loading.load_spec(PLAYROOM))(1, check=False)
+    bundle = building.builder(infant.load_spec(PLAYROOM))(1, check=False)
     model, data = load_posed(bundle, None)
     eye, found = data.camera("eye_left"), []
     for toy in bundle.manifest.toys:

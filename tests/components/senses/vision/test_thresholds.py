@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from scipy import fft
+from support.full import full_but
 
 from mimoc.components.senses.vision import VisionEntry, VisionSpec, thresholds
 from mimoc.components.senses.vision.build import maturity_of
 from mimoc.components.senses.vision.foveation import pixels_per_degree
 from mimoc.components.senses.vision.run import filters, perceive
-from mimoc.components.senses.vision.thresholds import NUMPY, above_threshold, sensitivity_at, threshold_bands
+from mimoc.components.senses.vision.thresholds import COSINES, above_threshold, sensitivity_at, threshold_bands
 
 MEAN = 127.5
 SIZE_PX, FOVY_DEG = 64, 60.0
@@ -32,7 +33,7 @@ def grating(half_cycles: tuple[int, int], size_px: int = SIZE_PX) -> np.ndarray:
 
 def share_left(wave: np.ndarray, contrast: float, bands: thresholds.Bands) -> float:
     shown = (MEAN * (1 + contrast * wave)).astype(np.float32)
-    seen = above_threshold(shown[None], bands, NUMPY)[0] - MEAN
+    seen = above_threshold(shown[None], bands, COSINES)[0] - MEAN
     return float((seen * wave).sum() / (wave**2).sum() / (MEAN * contrast))
 
 
@@ -45,8 +46,8 @@ def threshold_of(wave: np.ndarray, bands: thresholds.Bands) -> float:
     return float(np.sqrt(low * high))
 
 
-@pytest.mark.parametrize("age_months", AGES)
-@pytest.mark.parametrize("across", [13, 18, 22, 26, 30, 35, 41, 47, 53, 61])
+@pytest.mark.parametrize("age_months", full_but([0, 6], AGES))
+@pytest.mark.parametrize("across", full_but([13, 35, 61], [18, 22, 26, 30, 41, 47, 53]))
 def test_a_trial_gives_back_the_threshold_of_each_age_and_frequency(age_months, across):
     """Within 4 %, from .1 cycles per degree to what the picture holds, also between the middles of bands.
 
@@ -92,7 +93,7 @@ def test_a_small_thing_is_seen_where_a_fine_texture_is_lost():
     texture = 1 + 0.05 * grating((40, 40))
     shown = (MEAN * texture).astype(np.float32)
     shown[24:36, 24:36] = 10
-    seen = above_threshold(shown[None], bands, NUMPY)[0]
+    seen = above_threshold(shown[None], bands, COSINES)[0]
     assert seen[28:32, 28:32].mean() < 0.5 * MEAN
     assert seen[:16, :16].std() < 0.3 * shown[:16, :16].std()
 
@@ -101,7 +102,7 @@ def test_a_small_thing_is_seen_where_a_fine_texture_is_lost():
 def test_the_mean_stays_and_nothing_gains_much_contrast(width, height, peak, peak_cpd, seed):
     """Whatever the size; masks of bands may move contrast, but make none."""
     pictures = np.random.default_rng(seed).uniform(0, 255, (2, height, width)).astype(np.float32)
-    seen = above_threshold(pictures, threshold_bands((width, height), 60.0, peak, peak_cpd, 10 * peak_cpd), NUMPY)
+    seen = above_threshold(pictures, threshold_bands((width, height), 60.0, peak, peak_cpd, 10 * peak_cpd), COSINES)
     assert seen.dtype == np.float32
     assert seen.mean(axis=(1, 2)) == pytest.approx(pictures.mean(axis=(1, 2)), abs=0.02)
     assert (seen.std(axis=(1, 2)) <= 1.1 * pictures.std(axis=(1, 2)) + 0.05).all()

@@ -10,10 +10,9 @@ from support.mesh_kinds import USABLE, obj, put
 
 from mimoc.base.errors import ToyError
 from mimoc.bundle.files import writer_prefix
-from mimoc.compiler.toys.shape import Mesh, Solid, ToyModel
-from mimoc.components.toys.toys4k import build, cache, convex, subprocesses
-from mimoc.components.toys.toys4k.build import load_toy
-from mimoc.components.toys.toys4k.cache import VARIABLE, MeshCache, default_folder, key_of
+from mimoc.compiler.toys import Mesh, Solid, ToyModel
+from mimoc.components.toys.toys4k import build, meshes, worker
+from mimoc.components.toys.toys4k.build import VARIABLE, MeshCache, default_folder, key_of, load_toy
 from mimoc.components.toys.toys4k.dataset import Toys4K, find_toys
 from mimoc.components.toys.toys4k.processing import Shape
 
@@ -151,11 +150,11 @@ def test_a_damaged_entry_is_made_anew(found, processed, tmp_path):
 
 def test_what_could_not_be_finished_is_not_kept(found, processed, tmp_path, monkeypatch):
     def late(*_: object, **__: object) -> None:
-        raise subprocesses.WorkerTimeoutError("takes too long")
+        raise worker.WorkerTimeoutError("takes too long")
 
-    for module in (convex, cache):
+    for module in (meshes, build):
         monkeypatch.setattr(module, "has_coacd", lambda: True)
-    monkeypatch.setattr(convex, "run_worker", late)
+    monkeypatch.setattr(meshes, "run_worker", late)
     with pytest.raises(ToyError, match="takes too long"):
         load_toy(found, "ball_000", MeshCache(tmp_path / "cache"))
     assert not (tmp_path / "cache").exists()
@@ -164,10 +163,10 @@ def test_what_could_not_be_finished_is_not_kept(found, processed, tmp_path, monk
 def test_the_key_depends_on_all_that_decides_the_shape(monkeypatch):
     keys = {key_of(b"a", "obj"), key_of(b"b", "obj"), key_of(b"a", "stl")}
     for name in ("has_coacd", "has_simplifier"):
-        has = getattr(cache, name)()
-        monkeypatch.setattr(cache, name, lambda has=has: not has)
+        has = getattr(build, name)()
+        monkeypatch.setattr(build, name, lambda has=has: not has)
         keys.add(key_of(b"a", "obj"))
-    monkeypatch.setattr(cache, "VERSION", -1)
+    monkeypatch.setattr(build, "VERSION", -1)
     keys.add(key_of(b"a", "obj"))
     assert len(keys) == 6
     assert all(len(key) == 64 for key in keys)
@@ -204,11 +203,11 @@ def test_the_folder_is_that_of_the_system_or_of_the_environment(tmp_path, monkey
 FILL = """
 import sys
 from pathlib import Path
-from mimoc.components.toys.toys4k import cache, convex, processing, worker
-from mimoc.components.toys.toys4k.cache import MeshCache
+from mimoc.components.toys.toys4k import build, meshes, processing, worker
+from mimoc.components.toys.toys4k.build import MeshCache
 from mimoc.components.toys.toys4k.build import load_toy
 from mimoc.components.toys.toys4k.dataset import find_toys
-convex.has_coacd = cache.has_coacd = lambda: False
+meshes.has_coacd = build.has_coacd = lambda: False
 processing.run_worker = lambda task, content, *told, limit_s: worker.TASKS[task](content, *map(str, told))
 found = find_toys(Path(sys.argv[1]))
 for _ in range(2):

@@ -12,8 +12,8 @@ from support.full import FULL, full_but
 from support.mesh_kinds import UNUSABLE, USABLE, WRITERS, obj, put
 
 from mimoc.base.errors import ToyError
-from mimoc.compiler.toys.shape import Mesh, ToyModel
-from mimoc.components.toys.toys4k import cache, cleaning, convex, dataset, processing, subprocesses
+from mimoc.compiler.toys import Mesh, ToyModel
+from mimoc.components.toys.toys4k import build, dataset, meshes, processing, worker
 from mimoc.components.toys.toys4k.build import DENSITY_KG_M3, load_toy
 from mimoc.components.toys.toys4k.dataset import FORMATS, find_toys
 from mimoc.components.toys.toys4k.processing import TOPS
@@ -25,7 +25,7 @@ SMALLEST_M, LARGEST_M = 0.005, 1.0
 
 @pytest.fixture
 def without_simplifier(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (cleaning, cache):
+    for module in (meshes, build):
         monkeypatch.setattr(module, "has_simplifier", lambda: False)
 
 
@@ -179,7 +179,7 @@ def test_open_shells_are_seen_from_both_sides(kind, load):
 def test_what_is_flat_touches_as_a_thin_box(kind, load):
     (solid,) = load(USABLE[kind]()).solids
     assert solid.type == "box"
-    assert convex.THIN / 4 < min(solid.size) < convex.THIN / 2 * 1.01
+    assert meshes.THIN / 4 < min(solid.size) < meshes.THIN / 2 * 1.01
     assert solid.pos[2] == pytest.approx(solid.size[2])
 
 
@@ -331,8 +331,8 @@ def with_holes(mesh: mesh_kinds.Arrays, share: float) -> mesh_kinds.Arrays:
 @pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.2, 0.6])
 def test_what_has_holes_collides_as_its_hull_at_once_with_a_note(share, load, monkeypatch):
-    monkeypatch.setattr(convex, "has_coacd", lambda: True)
-    monkeypatch.setattr(convex, "run_worker", lambda *_, **__: pytest.fail("coacd was called"))
+    monkeypatch.setattr(meshes, "has_coacd", lambda: True)
+    monkeypatch.setattr(meshes, "run_worker", lambda *_, **__: pytest.fail("coacd was called"))
     toy = load(with_holes(mesh_kinds.bumpy_ball(1280), share))
     assert_usable(toy)
     assert len(toy.solids) == 1
@@ -343,9 +343,9 @@ def test_what_has_holes_collides_as_its_hull_at_once_with_a_note(share, load, mo
 
 @pytest.mark.usefixtures("reading_here")
 def test_closed_shells_beside_what_has_holes_are_divided_as_ever(load, monkeypatch):
-    monkeypatch.setattr(convex, "has_coacd", lambda: True)
+    monkeypatch.setattr(meshes, "has_coacd", lambda: True)
     seen = []
-    monkeypatch.setattr(convex, "run_worker", lambda *arguments, **_: seen.append(arguments) or _refuse())
+    monkeypatch.setattr(meshes, "run_worker", lambda *arguments, **_: seen.append(arguments) or _refuse())
     ball = with_holes(mesh_kinds.bumpy_ball(320), 0.2)
     toy = load(mesh_kinds.joined(ball, mesh_kinds.moved(mesh_kinds.box(), 3.0, 0.0, 0.0)))
     assert_usable(toy)
@@ -353,7 +353,7 @@ def test_closed_shells_beside_what_has_holes_are_divided_as_ever(load, monkeypat
 
 
 def _refuse():
-    raise subprocesses.WorkerError("fails")
+    raise worker.WorkerError("fails")
 
 
 @pytest.mark.full
@@ -388,11 +388,11 @@ def spoil_coacd(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[st
     """Return a function that puts a line before the import of coacd in the process that uses it."""
 
     def spoil(line: str) -> None:
-        worker = Path(subprocesses.worker.__file__).read_text(encoding="utf-8")
-        (tmp_path / "worker.py").write_text(worker.replace("    import coacd\n", f"    {line}\n    import coacd\n"))
-        assert (tmp_path / "worker.py").read_text() != worker
-        monkeypatch.setattr(subprocesses.worker, "__file__", str(tmp_path / "worker.py"))
-        monkeypatch.setattr(convex, "has_coacd", lambda: True)
+        source = Path(worker.__file__).read_text(encoding="utf-8")
+        (tmp_path / "worker.py").write_text(source.replace("    import coacd\n", f"    {line}\n    import coacd\n"))
+        assert (tmp_path / "worker.py").read_text() != source
+        monkeypatch.setattr(worker, "__file__", str(tmp_path / "worker.py"))
+        monkeypatch.setattr(meshes, "has_coacd", lambda: True)
 
     return spoil
 
@@ -409,15 +409,15 @@ def test_if_coacd_fails_the_convex_hull_is_taken(line, load, spoil_coacd):
 @pytest.mark.usefixtures("reading_here")
 def test_a_toy_on_which_coacd_takes_too_long_is_an_error_and_never_another_body(load, spoil_coacd, monkeypatch):
     spoil_coacd("while True: pass")
-    monkeypatch.setattr(convex, "LIMIT_S", 1)
+    monkeypatch.setattr(meshes, "LIMIT_S", 1)
     with pytest.raises(ToyError, match=r"^'thing_000' \(.*\) takes more than .* s to decompose into convex parts; "):
         load(USABLE["box"]())
 
 
 @pytest.mark.usefixtures("reading_here")
 def test_coacd_does_not_see_a_soup_of_triangles(load, monkeypatch):
-    monkeypatch.setattr(convex, "has_coacd", lambda: True)
-    monkeypatch.setattr(convex, "run_worker", lambda *_, **__: pytest.fail("coacd was called"))
+    monkeypatch.setattr(meshes, "has_coacd", lambda: True)
+    monkeypatch.setattr(meshes, "run_worker", lambda *_, **__: pytest.fail("coacd was called"))
     toy = load(mesh_kinds.confetti(500))
     assert_usable(toy)
     assert len(toy.solids) == 1
@@ -425,18 +425,18 @@ def test_coacd_does_not_see_a_soup_of_triangles(load, monkeypatch):
 
 def test_a_reader_that_hangs_is_ended(load, monkeypatch, tmp_path):
     (tmp_path / "worker.py").write_text("import time\ntime.sleep(1000)")
-    monkeypatch.setattr(subprocesses.worker, "__file__", str(tmp_path / "worker.py"))
+    monkeypatch.setattr(worker, "__file__", str(tmp_path / "worker.py"))
     monkeypatch.setattr(processing, "READING_LIMIT_S", 1)
-    monkeypatch.setattr(subprocesses, "WALL_TIME_FACTOR", 1)
+    monkeypatch.setattr(worker, "WALL_TIME_FACTOR", 1)
     with pytest.raises(ToyError, match="takes more than 1 s to read"):
         load(mesh_kinds.box())
 
 
 def test_a_reader_that_needs_too_much_memory_is_ended(load, monkeypatch, tmp_path):
-    worker = Path(subprocesses.worker.__file__).read_text(encoding="utf-8")
-    (tmp_path / "worker.py").write_text(worker.replace("    import trimesh\n", "    hoard = bytes(3 * 10**9)\n"))
-    monkeypatch.setattr(subprocesses.worker, "__file__", str(tmp_path / "worker.py"))
-    monkeypatch.setattr(subprocesses, "MEMORY_BYTES", 10**9)
+    source = Path(worker.__file__).read_text(encoding="utf-8")
+    (tmp_path / "worker.py").write_text(source.replace("    import trimesh\n", "    hoard = bytes(3 * 10**9)\n"))
+    monkeypatch.setattr(worker, "__file__", str(tmp_path / "worker.py"))
+    monkeypatch.setattr(worker, "MEMORY_BYTES", 10**9)
     with pytest.raises(ToyError, match="takes too much memory to read"):
         load(mesh_kinds.box())
 
@@ -448,8 +448,8 @@ def test_neither_networkx_nor_coacd_is_needed(tmp_path):
 import sys, pathlib
 for name in ("networkx", "coacd", "fast_simplification"):
     sys.modules[name] = None
-from mimoc.components.toys.toys4k import convex
-convex.has_coacd = lambda: False
+from mimoc.components.toys.toys4k import meshes
+meshes.has_coacd = lambda: False
 from mimoc.components.toys.toys4k.processing import TOPS
 from mimoc.components.toys.toys4k.dataset import FORMATS, find_toys
 from mimoc.components.toys.toys4k.build import load_toy

@@ -1,1 +1,0 @@
-"""Choice, shapes, mass and placement of toys."""

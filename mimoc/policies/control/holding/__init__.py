@@ -1,1 +1,0 @@
-"""Holding of postures by a saturating controller, within an infant's own strength."""

@@ -1,1 +1,0 @@
-"""Infants that move by themselves: general movements, kicks, and movements towards goals, by age."""

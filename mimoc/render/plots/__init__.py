@@ -1,1 +1,0 @@
-"""Plots: values that pages and files of pictures show."""

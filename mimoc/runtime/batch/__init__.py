@@ -1,1 +1,0 @@
-"""Many infants at once."""

@@ -1,1 +1,0 @@
-"""Delays of the signals between the body and its controller."""

@@ -1,1 +1,0 @@
-"""Environments, opened from specs and bundles."""

@@ -1,1 +1,0 @@
-"""Measuring of quantities while an infant acts."""
