@@ -22,7 +22,7 @@ from mimoc.motion.body_points import locate
 from mimoc.motion.read_mini_rgbd import JOINTS, POINTS
 from mimoc.movement.retargeting.observations import camera_from_world
 
-MOST_M = 20.0  # Distances from the camera above are in millimetres.
+MAX_M = 20.0  # Distances from the camera above are in millimetres.
 WAYS = "as it is", "hips aligned", "Procrustes"
 
 
@@ -87,7 +87,7 @@ def joints_m(folder: Path, frames: int) -> FloatArray:
     for places, path in zip(result, paths, strict=True):
         rows = np.loadtxt(path, ndmin=2)
         places[rows[:, 3].astype(int)] = rows[:, :3]
-    return result / 1000 if np.nanmedian(result[..., 2]) > MOST_M else result
+    return result / 1000 if np.nanmedian(result[..., 2]) > MAX_M else result
 
 
 if __name__ == "__main__":

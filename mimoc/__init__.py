@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from mimoc.version import __version__ as __version__
     from mimoc.viewer.viewing import View as View, view as view
 
+# The names imported above under TYPE_CHECKING, each imported when first used.
 __getattr__, __dir__, __all__ = names_of(__name__)
 
 

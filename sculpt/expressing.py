@@ -66,7 +66,7 @@ EXPRESSED = {
 """Expression by name."""
 
 
-LEAST_MM = 0.12  # Smaller moves are left out.
+MIN_MM = 0.12  # Smaller moves are left out.
 
 
 def moved(mesh, face: Moved) -> Array:
@@ -77,7 +77,7 @@ def moved(mesh, face: Moved) -> Array:
     verts = mesh.verts
     moves = (_mouth(verts, mesh.side, face) + _brows(verts, face) + _cheeks(verts, face))[mesh.twins]
     size = np.linalg.norm(moves, axis=1, keepdims=True)
-    moves = moves * smoothstep((size - LEAST_MM) / LEAST_MM)
+    moves = moves * smoothstep((size - MIN_MM) / MIN_MM)
     return moves + _turned_lips(mesh, moves)
 
 

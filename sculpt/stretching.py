@@ -68,7 +68,9 @@ def posed(layer: SkinLayer, placed: Mapping[str, Frame]) -> Array:
 
 AGES_MONTHS = (0.0, 9.0, 24.0)
 RANDOM_POSES = 300
-MOST = 1.9  # Stretch of an edge, relative to the pose that it is bound in, beyond which its ends are moved more alike.
+MAX_STRETCH = (
+    1.9  # Stretch of an edge, relative to the pose that it is bound in, beyond which its ends are moved more alike.
+)
 
 RINGS, SMOOTHINGS = 3, 2  # How many edges around them weights are smoothed, and how often.
 SPACED, SPACING, LEAST = 2.25, 0.07, 0.75
@@ -93,7 +95,7 @@ def stretches(sculpted: Sculpture, hands: str) -> tuple[np.ndarray, Array]:
 def eased(held: Array, edges: np.ndarray, stretch: Array, twins: np.ndarray, names: Sequence[str]) -> Array:
     """Return weights that are smoother around stretched edges: more so where these are stretched more."""
     both = np.vstack((edges, edges[:, ::-1]))
-    excess = np.clip(stretch / MOST - 1, 0, 0.5)
+    excess = np.clip(stretch / MAX_STRETCH - 1, 0, 0.5)
     share = np.zeros(len(held))
     np.maximum.at(share, both[:, 0], np.where(excess > 0, 0.3 + excess, 0).repeat(2).reshape(-1, 2).T.ravel())
     for _ in range(RINGS):

@@ -137,12 +137,12 @@ def _distance(drawn: Drawn, at: np.ndarray) -> Array:
     return np.array([np.linalg.norm(points - vert, axis=1).min() for vert in drawn.verts])
 
 
-LEAST = 0.8  # Thickness of cloth that is pressed onto the floor.
+MIN_THICKNESS = 0.8  # Thickness of cloth that is pressed onto the floor.
 
 
 def thinned(cut: Cut, room_mm: Array) -> Cut:
     """Return garments that are thin where there is little room between the body and the floor that it rests on."""
-    lifts_mm = {name: np.minimum(lifts, np.maximum(LEAST, room_mm)) for name, lifts in cut.lifts_mm.items()}
+    lifts_mm = {name: np.minimum(lifts, np.maximum(MIN_THICKNESS, room_mm)) for name, lifts in cut.lifts_mm.items()}
     return replace(cut, lifts_mm=lifts_mm)
 
 

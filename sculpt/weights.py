@@ -14,7 +14,7 @@ from mimoc.base.geometry.solvers import smoothstep
 from mimoc.body.kinematics import Frame
 
 BONES = 4  # Bodies that move a vertex, at most.
-LEAST = 0.022  # Smaller weights are left out.
+MIN_WEIGHT = 0.022  # Smaller weights are left out.
 SPREAD = {
     "upper_arm": 26.0,
     "lower_arm": 13.0,
@@ -138,7 +138,7 @@ def quantized(values: Array) -> Array:
     """Return weights of at most four bodies for each vertex, as 255ths that sum to 1."""
     order = np.argsort(-values, axis=1)[:, :BONES]
     top = np.take_along_axis(values, order, axis=1)
-    top = np.where(top < LEAST, 0, top)
+    top = np.where(top < MIN_WEIGHT, 0, top)
     top /= top.sum(axis=1, keepdims=True)
     parts = np.floor(top * 255)
     parts[:, 0] += 255 - parts.sum(axis=1)

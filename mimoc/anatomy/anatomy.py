@@ -103,7 +103,8 @@ def assemble(
         replace(part, joints=CHEST_JOINTS, motors=CHEST_MOTORS) if chest_joint and part.name == "chest" else part
         for part in TRUNK.parts
     )
-    arm, legs = (*ARM.parts, *hand.parts), {"right": right_foot.parts, "left": left_foot.parts}
+    arm = (*ARM.parts, *hand.parts)
+    legs = {"right": right_foot.parts, "left": left_foot.parts}
     sections: dict[str, Sided] = {
         "trunk": tuple(("", part) for part in trunk),
         "arms": tuple((side, part) for side in RIGHT_THEN_LEFT for part in arm),
@@ -129,7 +130,8 @@ def assemble(
         excluded.remove(FOLDING)
     else:
         feet = {part.name for part in right_foot.parts}
-        parts, excluded = _maturing(mimos_parts, feet), [*excluded, *_ankles(right_foot)]
+        parts = _maturing(mimos_parts, feet)
+        excluded = [*excluded, *_ankles(right_foot)]
     motors = tuple(
         (side, motor) for section in IN_ORDER_OF_MOTORS for side, part in sections[section] for motor in part.motors
     )

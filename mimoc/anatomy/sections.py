@@ -157,7 +157,8 @@ def stadium(what: str, girth_m: float, breadth_m: float) -> Section:
     possible = min(max(asked, FLATTEST), ROUNDEST)
     give = math.sqrt(possible / asked)
     if abs(give - 1) > GIVE:
-        least_m, most_m = girth_m / ROUNDEST / (1 + GIVE) ** 2, girth_m / FLATTEST * (1 + GIVE) ** 2
+        least_m = girth_m / ROUNDEST / (1 + GIVE) ** 2
+        most_m = girth_m / FLATTEST * (1 + GIVE) ** 2
         raise GeometryError(
             f"a {what} {girth_m:.3f} m around cannot be {breadth_m:.3f} m broad, but {least_m:.3f} to {most_m:.3f} m"
         )

@@ -154,12 +154,14 @@ def proportions(
     shorter.
     """
     head_radius_m = radius_of(m["head_circumference"])
-    arm_radius_m, foot = radius_of(m["upper_arm_circumference"]), _foot(m, foot_height)
+    arm_radius_m = radius_of(m["upper_arm_circumference"])
+    foot = _foot(m, foot_height)
     if mimos:
         trunk = _mimos_trunk(m, head_radius_m, arm_radius_m)
         # In the reference body's proportion to measured lengths.
         to_wrist_m, reference_m = (of["elbow_hand_length"] - of["hand_length"] for of in (m, REFERENCE_M))
-        upper_arm_m, forearm_m = 0.1076 * share(m, "shoulder_elbow_length"), 0.087 * to_wrist_m / reference_m
+        upper_arm_m = 0.1076 * share(m, "shoulder_elbow_length")
+        forearm_m = 0.087 * to_wrist_m / reference_m
         thigh_m, shank_m = _mimos_leg(m, base, _leg_length(m, trunk, foot), foot.half_height_m)
     else:
         trunk = measured_trunk(m, base, head_radius_m, arm_radius_m)
@@ -198,7 +200,8 @@ def _arm(m: Mapping[str, float]) -> tuple[float, float]:
     it to the fingertips.
     """
     upper_radius_m, radius_m = (radius_of(m[f"{part}_circumference"]) for part in ("upper_arm", "forearm"))
-    whole_m, to_wrist_m = m["shoulder_elbow_length"], m["elbow_hand_length"] - m["hand_length"]
+    whole_m = m["shoulder_elbow_length"]
+    to_wrist_m = m["elbow_hand_length"] - m["hand_length"]
     beyond_m = min(upper_radius_m + radius_m, UPPER_ARM_FLESH * whole_m)
     behind_m = min(max(upper_radius_m, radius_m), FOREARM_FLESH * to_wrist_m)
     return whole_m - beyond_m, to_wrist_m - behind_m

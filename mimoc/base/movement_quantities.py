@@ -26,7 +26,8 @@ Rows = Sequence[tuple[str, ...]]
 
 def _of_recording(rows: Rows, part: str = "", parts: str = "") -> Iterator[Quantity]:
     for name, label, unit, about, *source in rows:
-        name, label = name.format(part, parts), label.format(part.capitalize(), parts.capitalize())
+        name = name.format(part, parts)
+        label = label.format(part.capitalize(), parts.capitalize())
         yield Quantity(name, label, unit, about, over="recording", steps=(), source=source[0] if source else None)
 
 
@@ -273,7 +274,8 @@ def _path_m(part: str, columns: Columns) -> float:
 
 
 def _straightness(part: str, columns: Columns) -> float | None:
-    points, path_m = list(_points(part, columns)), _path_m(part, columns)
+    points = list(_points(part, columns))
+    path_m = _path_m(part, columns)
     return math.dist(points[0], points[-1]) / path_m if path_m else None
 
 

@@ -19,21 +19,21 @@ class Quantity(Component):
     about: str = ""
     """What it is, in a sentence."""
     over: Literal["child", "pose", "milestone", "step", "episode", "movement", "recording"] = "step"
-    """What has a value of its own: a child, each pose of a check, the search for a milestone, each control step, each
-    completed episode, the movement columns of each recorded episode, or a recording of points."""
+    """What each value belongs to: a child, a pose of a check, the search for a milestone, a control step, a completed
+    episode, the movement columns of a recorded episode, or a recording of points."""
     reduce: Literal["mean", "min", "max", "path", "all", "any", "count"] = "mean"
-    """From these values to one of a run: `path` is the length of the way through points, `count` how many there are."""
+    """How these values become that of a run: `path` is the length of the path through points, `count` their number."""
     term: Code | None = None
     """`bind(model, manifest) -> Term`: what measures a control step of one infant, of many, and on a device; or the
     module that defines this function by the quantity's name."""
     read: Code | None = None
-    """`bind(env) -> Callable[[], float]`: the same for what no term can say; of one infant, on the CPU."""
+    """`bind(env) -> Callable[[], float]`: what measures a control step where no term can; of one infant, on the CPU."""
     compute: Code | None = None
     """`compute(columns) -> float | None`: from the movement columns of an episode and `time_s`, each by its name with a
     value for each row, to the value of the episode; see `docs/movement_data.md`."""
     field: str = ""
-    """Without any: the attribute or key, by default its name, that holds its value in the child's entry of a
-    manifest, in the check of a pose, in the `info` of a control step, or in the `EpisodeResult` of an episode; or the
+    """Where the value is read if `term`, `read` and `compute` are None; by default `name`. It is a key or attribute of
+    the child's entry in a manifest, of the check of a pose, of a step's `info`, or of an `EpisodeResult`; or the
     movement column that is reduced."""
     curve: str = ""
     """Its column in a learning curve."""
@@ -45,7 +45,7 @@ class Quantity(Component):
     source: str | None = None
     """What defines it: a publication, a convention, or fields of MuJoCo's data."""
     frame: str = ""
-    """In which axes it is, and of which moment."""
+    """The axes that it is given in, and the moment that it belongs to."""
     is_text: bool = False
     """Whether it has names instead of numbers."""
 

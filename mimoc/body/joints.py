@@ -205,7 +205,8 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: MaturationFacto
 
 def _matured(joint: Joint, figures: ReferenceJoint, group: str, growth: MaturationFactors) -> Joint:
     age_months = growth.mature_months
-    at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, growth)
+    at_18 = figures_at_18(figures, group)
+    size = size_gain(joint.name, group, growth)
     low, high = figures.range_deg
     if limit := LOWER_LIMITS.get(figures.name):
         low = limit.at(age_months, low)
@@ -244,7 +245,8 @@ def figures_at_18(figures: ReferenceJoint, group: str) -> PassiveFigures:
         why["armature"] += f" x {FINGER_ARMATURE:g} for newborns' stronger fingers (D)"
         why["damping"] += f" x {FINGER_DAMPING:g} for newborns' stronger fingers (D)"
     elif armature < MIN_ARMATURE_KGM2:
-        armature, why["armature"] = MIN_ARMATURE_KGM2, f"{MIN_ARMATURE_KGM2:g}, as of toes that move together (D)"
+        armature = MIN_ARMATURE_KGM2
+        why["armature"] = f"{MIN_ARMATURE_KGM2:g}, as of toes that move together (D)"
     elif relaxed := RELAXED.get(figures.name):
         armature *= relaxed.armature
         if relaxed.armature != 1:
@@ -277,9 +279,12 @@ def match_damping(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> BodyTr
     published law at least MIMo's T_18, a joint's constant c is multiplied by max(1, T c_a / (T_a c)), where c_a is that
     of the average child. By the law `maturing`, larger children are stronger and have larger joints anyway.
     """
-    joints, usual_joints, matched = tree.joints, average.joints, dict[str, Joint]()
+    joints = tree.joints
+    usual_joints = average.joints
+    matched = dict[str, Joint]()
     for motor, usual, (_, figures) in zip(tree.motors, average.motors, anatomy.motors, strict=True):
-        joint, usual_joint = joints[motor.joint], usual_joints[motor.joint]
+        joint = joints[motor.joint]
+        usual_joint = usual_joints[motor.joint]
         usual_nm = usual.gear_nm if tree.growth else max(usual.gear_nm, figures.gear_nm)
         damping, armature = (
             max(1.0, motor.gear_nm / usual_nm * (before / now if now else 1.0))
@@ -312,7 +317,8 @@ def joint_origins(
     origins = dict.fromkeys(CONSTANTS, Origin(CONSTANT) if tree.growth else published)
     usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
     if tree.growth:
-        at_18, size = figures_at_18(figures, group), size_gain(joint.name, group, tree.growth)
+        at_18 = figures_at_18(figures, group)
+        size = size_gain(joint.name, group, tree.growth)
         origins |= _maturing_origins(figures, joint.name, group, tree.growth)
         origins["margin"] = margin_origin(joint.name, figures, group)
         usual = {"damping": at_18.damping_nms_per_rad * size, "armature": at_18.armature_kgm2 * size}
@@ -341,7 +347,8 @@ def _maturing_origins(figures: ReferenceJoint, joint: str, group: str, growth: M
 
 
 def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:
-    newborn_deg, relaxed = NEWBORN_FIST_DEG.get(figures.name), RELAXED.get(figures.name)
+    newborn_deg = NEWBORN_FIST_DEG.get(figures.name)
+    relaxed = RELAXED.get(figures.name)
     if newborn_deg is not None:
         rest = f"by {LAW}, from {newborn_deg:g} degrees at birth (fists: Amiel-Tison, Ballard; M)"
         text = f"{rest} to {figures.springref_deg:g} at 18 months ({REFERENCE}), within the range"

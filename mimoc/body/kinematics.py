@@ -74,7 +74,8 @@ def pose_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> Posed:
     placed: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
     for body in tree.bodies:
         origin, turn = placed[body.parent]
-        origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
+        origin = origin + turn @ body.pos_m
+        turn = turn @ matrix_from_euler(body.euler_deg)
         for joint in body.joints:
             angles_rad, rotation = turns[joint.name]
             turned = [index for index, angle in enumerate(angles_rad) if angle]
@@ -126,7 +127,8 @@ def _walk(
     placed: dict[str | None, Frame] = {None: (np.zeros(3), np.eye(3))}
     for body in tree.bodies:
         origin, turn = placed[body.parent]
-        origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
+        origin = origin + turn @ body.pos_m
+        turn = turn @ matrix_from_euler(body.euler_deg)
         for joint in body.joints:
             yield body, joint, origin, turn
             if angle_rad := angles_rad.get(joint.name, 0.0):

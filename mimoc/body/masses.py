@@ -20,9 +20,10 @@ NECK_SHARE = 0.08  # Share of the neck in the mass of head and neck (D).
 MIN_TRUNK_SHARE = 0.4
 """Least share of its mass by the published law that a trunk keeps; it limits the heads of children far outside of WHO's
 percentiles."""
-THIGH, TISSUE_KG_M3 = "{side}_upper_leg1", 1060.0
-"""The geom of a thigh, and its density: that of muscle (M). MIMo's is 790 to 950, with which thighs weigh two thirds of
-what Sun & Jensen 1994 (M) found at 2 to 9 months."""
+THIGH = "{side}_upper_leg1"  # Name of the geom of a thigh.
+TISSUE_KG_M3 = 1060.0
+"""Density of a thigh by the law `maturing`: that of muscle (M). MIMo's is 790 to 950, with which thighs weigh two
+thirds of what Sun & Jensen 1994 (M) found at 2 to 9 months."""
 
 HEAD_KEY = "measurements.head_circumference_cm"
 HEAD_SHARES = (
@@ -39,7 +40,7 @@ class Masses:
     densities_kg_m3: Mapping[str, float]
     head_gain: float = 1.0  # Mass of head and neck by the law `maturing`, relative to the published law.
     feet: Collection[str] = ()  # Names of the parts of feet, which are higher by the law `maturing`.
-    trunk_left: float | None = None  # Mass of the trunk, likewise; None by the published law.
+    trunk_share: float | None = None  # Mass of the trunk relative to the published law; None by that law.
 
     def body_kg(self, anatomy: Anatomy) -> float:
         """Return the mass of the whole body."""
@@ -47,24 +48,43 @@ class Masses:
 
     def origin(self, figures: ReferenceGeom, part: ReferencePart, name: str, sources: Sequence[str]) -> Origin:
         """Return where the mass of a geom comes from; *sources* are keys of the measurements that its size follows."""
-        density = f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
-        usual, maturing = f"{density} x volume of MIMo's solid with these measurements", self.trunk_left is not None
-        if maturing and part.region == "trunk":
-            text = f"{usual} x {self.trunk_left:.6g}: by {LAW}, it gives what head, neck, thighs and feet gain (D)"
+        if origin := self._maturing_origin(figures, part, name, sources):
+            return origin
+        basis = f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as"
+        if figures.mass_at_m:
+            basis = "the density of"
+        law = f"{self._published_text(figures)}, by the growth law of the paper"
+        return Origin(f"{law}; {basis} {REFERENCE}", tuple(sources))
+
+    def _maturing_origin(
+        self, figures: ReferenceGeom, part: ReferencePart, name: str, sources: Sequence[str]
+    ) -> Origin | None:
+        """Return the origin of a mass that the law `maturing` changes; None of any other mass, and by another law."""
+        if self.trunk_share is None:
+            return None
+        if part.region == "trunk":
+            gives = f"by {LAW}, it gives what head, neck, thighs and feet gain (D)"
+            text = f"{self._published_text(figures)} x {self.trunk_share:.6g}: {gives}"
             return Origin(text, (*sources, HEAD_KEY, AGE_KEY, LAW_KEY))
-        if maturing and part.name == "head":
+        if part.name == "head":
             share = NECK_SHARE if figures.name == "neck" else 1 - NECK_SHARE
             text = f"{share:g} x {self.head_gain:.6g} x the head's mass by the published law, {HEAD_SHARES}"
             return Origin(f"by {LAW}, {text}; the neck has {NECK_SHARE:g} of that (D)", (HEAD_KEY, AGE_KEY, LAW_KEY))
-        if maturing and part.name in self.feet:
+        if part.name in self.feet:
+            density = self._density_text(figures)
             text = f"{density}, the density of {REFERENCE}, x volume, which by {LAW} is larger than there (D)"
             return Origin(text, (f"geom.{name}.size", LAW_KEY))
-        if maturing and figures.name == THIGH:
+        if figures.name == THIGH:
             text = f"{TISSUE_KG_M3:g} kg/m3, the density of muscle (M), by {LAW} x volume"
             return Origin(text, (f"geom.{name}.size", LAW_KEY))
-        weighing = f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as "
-        weighing = "the density of " if figures.mass_at_m else weighing
-        return Origin(f"{usual}, by the growth law of the paper; {weighing}{REFERENCE}", tuple(sources))
+        return None
+
+    def _density_text(self, figures: ReferenceGeom) -> str:
+        return f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
+
+    def _published_text(self, figures: ReferenceGeom) -> str:
+        """Return how a mass follows from the published law."""
+        return f"{self._density_text(figures)} x volume of MIMo's solid with these measurements"
 
 
 def weigh_parts(shapes: Shapes, reference: Reference) -> Masses:
@@ -83,18 +103,19 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
     which is at least `MIN_TRUNK_SHARE`. Gain and share are those of the child before its spec changes any single part.
     """
     trunk = [geom for _, part in reference.anatomy.parts if part.region == "trunk" for geom in part.geoms]
-    usual_kg, usual_legs_kg = _published_kg(reference, shapes.usual_m3), _legs_kg(reference, shapes.usual)
+    usual_kg = _published_kg(reference, shapes.usual_m3)
+    usual_legs_kg = _legs_kg(reference, shapes.usual)
     trunk_kg = math.fsum(usual_kg[geom.name] for geom in trunk)
     leg_kg = math.fsum(kg - usual_kg[name] for name, kg in usual_legs_kg.items())
     gain = min(reference.head_gain, 1 + ((1 - MIN_TRUNK_SHARE) * trunk_kg - 2 * leg_kg) / usual_kg["head"])
-    left = 1 - ((gain - 1) * usual_kg["head"] + 2 * leg_kg) / trunk_kg
+    trunk_share = 1 - ((gain - 1) * usual_kg["head"] + 2 * leg_kg) / trunk_kg
 
     def of_side(side: str) -> dict[str, float]:
         published_kg = _published_kg(reference, shapes.mimos_m3[side])
         head_kg = gain * published_kg["head"]
         return {
             **published_kg,
-            **{geom.name: left * published_kg[geom.name] for geom in trunk},
+            **{geom.name: trunk_share * published_kg[geom.name] for geom in trunk},
             **_legs_kg(reference, shapes.built[side]),
             "head": (1 - NECK_SHARE) * head_kg,
             "neck": NECK_SHARE * head_kg,
@@ -105,7 +126,7 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
         reference.densities_kg_m3,
         gain,
         {part.name for part in reference.anatomy.feet.parts},
-        left,
+        trunk_share,
     )
 
 
@@ -115,6 +136,7 @@ def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict
 
 
 def _legs_kg(reference: Reference, dimensions: BodyGeometry) -> dict[str, float]:
+    """Return the masses f of a leg's thigh and foot, by name."""
     thighs = (geom for _, part in reference.anatomy.parts for geom in part.geoms if geom.name == THIGH)
     densities = {**reference.densities_kg_m3, THIGH: TISSUE_KG_M3}
     return {

@@ -58,10 +58,12 @@ AVERAGE = Composition()
 
 def composition(child: Measurements, spec: InfantSpec) -> Composition:
     """Return the composition of a spec's child that has been measured."""
-    individual, early = spec.body.individual or IndividualSpec.model_construct(), spec.birth_keys
+    individual = spec.body.individual or IndividualSpec.model_construct()
+    early = spec.birth_keys
     if spec.body.individual is None and not early:
         return AVERAGE
-    usual, percent = mean_fat_percent(child.age_months), _fat_percent(child, individual, spec.months_early)
+    usual = mean_fat_percent(child.age_months)
+    percent = _fat_percent(child, individual, spec.months_early)
     gain = 1.0 if percent == usual else (100 - percent) / (100 - usual)
     given = [key for key in FAT if getattr(individual, key) is not None]
     sizes = [key for key in SIZES if getattr(individual, key)]

@@ -73,7 +73,8 @@ class Rollers:
 
     def _lowest(self, lows_rad: FloatArray, highs_rad: FloatArray) -> "Rollers":
         """Return this with only the geoms that can be the lowest at pitches within brackets, shapes (p,)."""
-        middles_rad, halves_rad = (lows_rad + highs_rad) / 2, (highs_rad - lows_rad) / 2
+        middles_rad = (lows_rad + highs_rad) / 2
+        halves_rad = (highs_rad - lows_rad) / 2
         depths_m = self._depths(_downs(middles_rad[:, None]))[:, 0]
         near = depths_m > (depths_m.max(axis=1) - _NEAR_M_PER_RAD * halves_rad)[:, None]
         kept = np.argsort(~near, axis=1)[:, : near.sum(axis=1).max()]
@@ -197,9 +198,11 @@ def _disproportion(tree: BodyTree) -> float:
     That is the difference of two ratios to the average child: of the girth of a thigh, and of the length of the body.
     """
     average = measure(tree.age_months, CURVES[tree.development])
-    girth_m, height_m = average["mid_thigh_circumference"], average[HEIGHT]
+    girth_m = average["mid_thigh_circumference"]
+    height_m = average[HEIGHT]
     if tree.development == "published":
-        girth_m, height_m = 2 * math.pi * published.thigh(dict(average))[0], published.standing_height(average)
+        girth_m = 2 * math.pi * published.thigh(dict(average))[0]
+        height_m = published.standing_height(average)
     thighs = [tree.geoms[name] for name in ("left_upper_leg1", "right_upper_leg1") if name in tree.geoms]
     if not thighs:
         return 0.0

@@ -22,7 +22,8 @@ def trace_body(grown: GrownBody, tree: BodyTree, scaled: Mapping[str, tuple[str,
     parts = {part.name.format(side=side): (side, part) for side, part in anatomy.parts}
     hinges = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     at_18 = {motor.name.format(side=side): motor for side, motor in anatomy.motors}
-    motors, groups = {motor.joint: motor.name for motor in tree.motors}, anatomy.groups
+    motors = {motor.joint: motor.name for motor in tree.motors}
+    groups = anatomy.groups
     entries = dict(_trace_measurements(child))
     if anatomy.development == "published":
         for name in load_tables().published:

@@ -37,7 +37,8 @@ def standing_height(child: Measurements) -> float:
     """Return the height of a child, from the soles to the crown, in [m]."""
     m = dict(child)
     radius_m, half_m = thigh(m)
-    trunk_m, head_m = 0.298 * child.slenderness * share(m, "hip_breadth"), 0.147 * share(m, "head_circumference")
+    trunk_m = 0.298 * child.slenderness * share(m, "hip_breadth")
+    head_m = 0.147 * share(m, "head_circumference")
     return trunk_m + head_m + 0.007 + 2 * radius_m + half_m + 0.176 * share(m, "knee_sole_length") + foot_half_height(m)
 
 
@@ -137,7 +138,9 @@ def _forearm(m: Mapping[str, float]) -> tuple[float, float]:
 
 def _mitten(m: Mapping[str, float]) -> BodyGeometry:
     fore_m, fore_half_m = _forearm(m)
-    long, fist, half_m = share(m, "hand_length"), share(m, "maximum_fist_breadth"), m["hand_breadth"] / 2
+    long = share(m, "hand_length")
+    fist = share(m, "maximum_fist_breadth")
+    half_m = m["hand_breadth"] / 2
     thick_m = hand_half_thickness(m)
     rim_m, palm_m = thick_m + 2 * CLEARANCE_M, 0.0208 * long
     fingers_m, thumb_m = 0.0207 * long, thick_m / 2
@@ -156,8 +159,10 @@ def _mitten(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _five_fingers(m: Mapping[str, float]) -> BodyGeometry:
-    thick_m, wide = 0.584 * hand_half_thickness(m), share(m, "hand_breadth")
-    palm_m, half_m = m["hand_length"] / 4 - thick_m, m["hand_length"] / 8
+    thick_m = 0.584 * hand_half_thickness(m)
+    wide = share(m, "hand_breadth")
+    palm_m = m["hand_length"] / 4 - thick_m
+    half_m = m["hand_length"] / 8
     middle_m = m["middle_finger_diameter"] / 2
     knuckle_x_m = 0.01712 * wide - CLEARANCE_M - 0.95 * middle_m
     little_x_m = -(0.01712 + 0.00588**2 / 0.00508 - 0.01498) * wide  # On its metacarpal.
@@ -178,7 +183,10 @@ def _five_fingers(m: Mapping[str, float]) -> BodyGeometry:
 def _palm(m: Mapping[str, float], palm_m: float, thick_m: float) -> BodyGeometry:
     fore_m, fore_half_m = _forearm(m)
     wide, half_m = share(m, "hand_breadth"), m["hand_breadth"] / 2
-    side_m, outer_m, inner_m, rim_m = 0.00588 * wide, 0.00508 * wide, 0.01712 * wide, thick_m + CLEARANCE_M
+    side_m = 0.00588 * wide
+    outer_m = 0.00508 * wide
+    inner_m = 0.01712 * wide
+    rim_m = thick_m + CLEARANCE_M
     hand_x_m, meta_x_m = 0.007 * wide, -0.00882 * wide - CLEARANCE_M
     anchors = {k: (-hand_x_m, 0.0, -share * palm_m) for k, share in ((1, 3 / 5), (2, 4 / 5), (3, 1.0))}
     return BodyGeometry(
@@ -241,7 +249,9 @@ def _leg(m: Mapping[str, float]) -> BodyGeometry:
 
 
 def _foot(m: Mapping[str, float]) -> BodyGeometry:
-    s, half_m, height_m = share(m, "foot_length"), m["foot_breadth"] / 2, foot_half_height(m)
+    s = share(m, "foot_length")
+    half_m = m["foot_breadth"] / 2
+    height_m = foot_half_height(m)
     return BodyGeometry(
         shapes={
             "{side}_foot1": GeomShape((half_m - CLEARANCE_M, height_m - CLEARANCE_M), (-0.016 * s, 0.0, 0.0)),

@@ -63,7 +63,8 @@ class Reference:
         if self.anatomy.development == "published":
             return same
         # Head and neck are heavier by this than in the published body of the same age.
-        average, anatomy = measure(same.age_months).paper_law, same.anatomy
+        average = measure(same.age_months).paper_law
+        anatomy = same.anatomy
         volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.kinds), anatomy)
         published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in same.densities_kg_m3.items()}
         body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
@@ -118,7 +119,8 @@ def _foot_height(reference: Reference) -> float:
     Length, breadth and density are those of the published body. The mass is so nearly in proportion to the height that
     the secant method needs a few steps.
     """
-    average, wanted_kg = dict(measure(reference.age_months)), NEWBORN_KG + KG_PER_MONTH * reference.age_months
+    average = dict(measure(reference.age_months))
+    wanted_kg = NEWBORN_KG + KG_PER_MONTH * reference.age_months
     p, anatomy = proportions(average, average), reference.anatomy
 
     def excess_kg(height: float) -> float:

@@ -31,7 +31,8 @@ LIMBS = (
 
 def _check_limbs(dimensions: BodyGeometry) -> None:
     for geom, end in LIMBS:
-        length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
+        length_m = math.dist(dimensions.origins[end], (0, 0, 0))
+        thickness_m = 2 * dimensions.shapes[geom].size_m[0]
         if thickness_m >= length_m:
             raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
 
@@ -142,7 +143,8 @@ class Shapes:
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
     """Return the shapes of a child's parts, single ones by *scales* of length and girth, or raise a GeometryError."""
-    anatomy, alike = reference.anatomy, child.symmetric and not scales
+    anatomy = reference.anatomy
+    alike = child.symmetric and not scales
 
     def mimos_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
         dimensions = mimos_dimensions(child.paper_law, side, anatomy.kinds)
@@ -153,7 +155,8 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         (_check_limbs if side else _check_trunk)(dimensions)
         return dimensions
 
-    is_published, before = anatomy.development == "published", child.unreplaced
+    is_published = anatomy.development == "published"
+    before = child.unreplaced
     volumes_m3 = {} if is_published else _of_sides(lambda side: mimos_m3(child, scales, side), alike=alike)
     usual, usual_m3 = None, volumes_m3.get("")
     if not is_published and (scales or before is not child):

@@ -172,7 +172,8 @@ def motor_torques(
     """Return the motors of a child, in MIMo's order; without *growth*, by the published law."""
     groups, motors = reference.anatomy.groups, []
     for side, figures in reference.anatomy.motors:
-        joint, torque_nm = figures.joint.format(side=side), figures.gear_nm * volumes[side][figures.driven_geom]
+        joint = figures.joint.format(side=side)
+        torque_nm = figures.gear_nm * volumes[side][figures.driven_geom]
         name, driven_geom = figures.name.format(side=side), figures.driven_geom.format(side=side)
         tone = fastest_rad_s = None
         if growth:
@@ -230,7 +231,8 @@ def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Moto
     motors = []
     for motor, usual, other in zip(tree.motors, now, then, strict=True):
         factor = other.gear_nm / usual.gear_nm
-        gear_nm, factors = motor.gear_nm * factor, ((STRENGTH_AGE_KEY, factor),)
+        gear_nm = motor.gear_nm * factor
+        factors = ((STRENGTH_AGE_KEY, factor),)
         motors.append(replace(motor, gear_nm=gear_nm, force_range=other.force_range, factors=factors))
     return replace(tree, motors=tuple(motors))
 
@@ -239,7 +241,8 @@ def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
     """Return a body with the factors on its gears that a spec asks for, by muscle group or pair of groups."""
     if not strength:
         return tree
-    groups, pair_of = tree.muscle_groups, {group: pair for pair, sides in PAIRED_GROUPS.items() for group in sides}
+    groups = tree.muscle_groups
+    pair_of = {group: pair for pair, sides in PAIRED_GROUPS.items() for group in sides}
     motors = []
     for motor in tree.motors:
         group = groups[motor.joint]

@@ -24,8 +24,8 @@ from mimoc.base.errors import BundleError
 from mimoc.bundle.files import SharedFiles, remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
-    MOST_FILES,
-    MOST_NESTED,
+    MAX_FILES,
+    MAX_NESTED,
     RegularFiles,
     UnusableFileError,
     read_regular_file,
@@ -373,14 +373,14 @@ def _locked_files(content: bytes) -> dict[str, str] | None:
         files = lock["files"]
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
-    if not isinstance(files, dict) or MANIFEST not in files or len(files) > MOST_FILES:
+    if not isinstance(files, dict) or MANIFEST not in files or len(files) > MAX_FILES:
         return None
     return files if all(map(_is_inside, files)) and len(content) <= MAX_LOCK_BYTES else None
 
 
 def _is_inside(name: str) -> bool:
     path = PurePosixPath(name)
-    if not name.isprintable() or "\\" in name or len(path.parts) > MOST_NESTED:
+    if not name.isprintable() or "\\" in name or len(path.parts) > MAX_NESTED:
         return False
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 

@@ -287,7 +287,7 @@ class Manifest(Model):
 
 
 MANIFEST = "manifest.json"
-MOST_MANIFEST_BYTES = 2**22  # 4 MB; a room with fifty toys and an infant with ten fingers have 56 kB.
+MAX_MANIFEST_BYTES = 2**22  # 4 MB; a room with fifty toys and an infant with ten fingers have 56 kB.
 
 
 def to_data(manifest: Manifest) -> dict[str, Any]:
@@ -302,8 +302,8 @@ def to_data(manifest: Manifest) -> dict[str, Any]:
 
 def read_manifest(content: bytes) -> Manifest:
     """Return the manifest in a file; BundleError if a plug-in is missing, or mimoc does not write such a one."""
-    if len(content) > MOST_MANIFEST_BYTES:
-        raise BundleError(f"{MANIFEST}: it has more than {MOST_MANIFEST_BYTES >> 20} MB, which no infant needs")
+    if len(content) > MAX_MANIFEST_BYTES:
+        raise BundleError(f"{MANIFEST}: it has more than {MAX_MANIFEST_BYTES >> 20} MB, which no infant needs")
     try:
         data = json.loads(content)
     except (ValueError, RecursionError):
@@ -341,7 +341,8 @@ def _problem(key: str, distribution: str) -> str | None:
         return None
     if section not in RUNNING or not name.isidentifier() or not distribution.isprintable():
         return f"its plug-in {key!r} is named in a way that mimoc never writes; build it again"
-    table, source = RUNNING[section], f"the plug-in '{distribution}'" if distribution else "a script"
+    table = RUNNING[section]
+    source = f"the plug-in '{distribution}'" if distribution else "a script"
     if name not in table:
         advice = f"install '{distribution}'" if distribution else "register it with mimoc.register first"
         return f"this bundle needs the {table.what} '{name}' from {source}, which is not here; {advice}"

@@ -141,7 +141,7 @@ ELEMENTS: Mapping[str, Mapping[str, Values]] = {
 
 REFERRING = {"texture", "mesh", "skin"}  # Elements that refer to files, besides the one `include`.
 
-MOST: Mapping[str, int] = {
+MAX_COUNTS: Mapping[str, int] = {
     "include": 1,
     "body": 512,
     "joint": 1024,
@@ -159,20 +159,20 @@ MOST: Mapping[str, int] = {
 }
 """How many there may be of some elements; a room with fifty toys and an infant with ten fingers have half as many at
 most."""
-MOST_ELEMENTS = 20_000
-MOST_BYTES = 2**23  # Of one file; those of that room have 0.6 MB.
-MOST_DEPTH = 64  # Elements within each other; in an infant with ten fingers 14.
+MAX_ELEMENTS = 20_000
+MAX_BYTES = 2**23  # Largest size of one file, for each infant in it; those of that room have 0.6 MB.
+MAX_DEPTH = 64  # Elements within each other; in an infant with ten fingers 14.
 
 
 _BEYOND_ELEMENTS = re.compile(rb"<[!?]|&#|>\s*+[^<\s]")
 """Where comments, declarations, numbered characters and text between elements begin: mimoc writes none, and parsers
 differ in them."""
-_SHOWN = 60
+_MAX_SHOWN = 60
 
 
 def read_mjcf(file: str, content: bytes, infants: int = 1) -> tuple[Counter[str], dict[str, str]]:
     """Return the numbers of elements of MJCF, and those that refer to files, by path, or raise a BundleError."""
-    if len(content) > (most := MOST_BYTES * infants):
+    if len(content) > (most := MAX_BYTES * infants):
         raise BundleError(f"{file}: it has more than {most >> 20} MB, which no infant needs")
     if beyond := _BEYOND_ELEMENTS.search(content):
         line = content.count(b"\n", 0, beyond.start()) + 1
@@ -181,10 +181,10 @@ def read_mjcf(file: str, content: bytes, infants: int = 1) -> tuple[Counter[str]
     reader.read(content)
     if not all(values(given) for values, given in reader.given.items()):
         _Reader(file, at_once=True).read(content)
-    for name, most in MOST.items():
+    for name, most in MAX_COUNTS.items():
         if (number := reader.counts[name]) > most * infants:
             raise BundleError(f"{file}: {number:,} times <{name}>, where at most {most * infants:,} may be")
-    if (number := reader.counts.total()) > (most := MOST_ELEMENTS * infants):
+    if (number := reader.counts.total()) > (most := MAX_ELEMENTS * infants):
         raise BundleError(f"{file}: {number:,} elements, where at most {most:,} may be")
     return reader.counts, reader.references
 
@@ -219,14 +219,14 @@ class _Reader:
         sinks = self._sinks.get(element) or self._sinks_of(element)
         self.counts[element] += 1
         self._depth += 1
-        if self._depth > MOST_DEPTH:
-            self._refuse(f"more than {MOST_DEPTH} elements within each other")
+        if self._depth > MAX_DEPTH:
+            self._refuse(f"more than {MAX_DEPTH} elements within each other")
         for name, value in attributes.items():
             if name not in sinks:
-                self._refuse(f"{name[:_SHOWN]!r} is not an attribute that mimoc gives <{element}>")
+                self._refuse(f"{name[:_MAX_SHOWN]!r} is not an attribute that mimoc gives <{element}>")
             sinks[name](value)
             if self._at_once and not ELEMENTS[element][name]([value]):
-                self._refuse(f"{name}={value[:_SHOWN]!r} is not what mimoc writes there")
+                self._refuse(f"{name}={value[:_MAX_SHOWN]!r} is not what mimoc writes there")
         if element in REFERRING and "file" in attributes:
             self.references[attributes["file"]] = element
         elif element == "general":
@@ -234,7 +234,7 @@ class _Reader:
 
     def _sinks_of(self, element: str) -> dict[str, Callable[[str], None]]:
         if element not in ELEMENTS:
-            self._refuse(f"<{element[:_SHOWN]}> is not an element that mimoc writes")
+            self._refuse(f"<{element[:_MAX_SHOWN]}> is not an element that mimoc writes")
         self._sinks[element] = {name: self.given[values].append for name, values in ELEMENTS[element].items()}
         return self._sinks[element]
 
@@ -264,11 +264,11 @@ def _is_range(numbers: str) -> bool:
         return False
 
 
-MOST_SIDE_PX = 4096  # Pixels along a side of a picture; those of infants have 512 at most.
-MOST_PIXELS = 2**26  # Pixels of all pictures of a bundle, which take three bytes each once they are decoded.
-MOST_FACES = 20_000  # Triangles of a mesh; toys have at most 5,000.
-MOST_MESH_BYTES = 10 * 2**20  # Of all meshes of a bundle together; fifty toys of 5,000 triangles each have 8 MB.
-MOST_VERTICES = 200_000  # Vertices of all skins of a bundle; an infant has 7,500.
+MAX_SIDE_PX = 4096  # Pixels along a side of a picture; those of infants have 512 at most.
+MAX_PIXELS = 2**26  # Pixels of all pictures of a bundle, which take three bytes each once they are decoded.
+MAX_FACES = 20_000  # Triangles of a mesh; toys have at most 5,000.
+MAX_MESH_BYTES = 10 * 2**20  # Bytes of all meshes of a bundle; fifty toys of 5,000 triangles each have 8 MB.
+MAX_VERTICES = 200_000  # Vertices of all skins of a bundle; an infant has 7,500.
 SURELY_SMALL = 2**16
 """Bytes of a picture that need not be tried: Deflate's ratio is at most 1032, so that they unpack to 64 MB at most, and
 MuJoCo refuses the first one that is larger than it says."""
@@ -290,7 +290,7 @@ def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> N
             sizes[element] += _CHECKS[element](files[path])
         except UnusableFileError as error:
             raise BundleError(f"{path}: {error}") from None
-        if sizes[element] > _MOST[element]:
+        if sizes[element] > _MAX_SIZES[element]:
             raise BundleError(f"{path}: with this one, every <{element}> together is larger than any infant needs")
 
 
@@ -301,9 +301,9 @@ def pixels_of(content: bytes, *, is_ours: bool = True) -> int:
     """
     data = b"".join(_chunks(content, is_ours))
     width, height, depth, colour = struct.unpack_from(">IIBB", content, 16)
-    if not 0 < width <= MOST_SIDE_PX or not 0 < height <= MOST_SIDE_PX:
+    if not 0 < width <= MAX_SIDE_PX or not 0 < height <= MAX_SIDE_PX:
         raise UnusableFileError(
-            f"it says that it has {width:,} x {height:,} pixels; at most {MOST_SIDE_PX:,} a side may be"
+            f"it says that it has {width:,} x {height:,} pixels; at most {MAX_SIDE_PX:,} a side may be"
         )
     if depth > (8 if is_ours else 16) or colour not in _CHANNELS:
         raise UnusableFileError("its colours are of a kind that mimoc never writes")
@@ -338,8 +338,8 @@ def _chunks(content: bytes, is_ours: bool) -> list[bytes]:
 def _mesh_bytes(content: bytes) -> int:
     if content.translate(None, b"0123456789-+.e \nvf") or content[:2] != b"v ":
         raise UnusableFileError("it is not an OBJ of vertices and triangles alone")
-    if content.count(b"f") > MOST_FACES or content.count(b"v") > MOST_FACES:
-        raise UnusableFileError(f"it has more than {MOST_FACES:,} triangles")
+    if content.count(b"f") > MAX_FACES or content.count(b"v") > MAX_FACES:
+        raise UnusableFileError(f"it has more than {MAX_FACES:,} triangles")
     return len(content)
 
 
@@ -347,7 +347,7 @@ def _vertices(content: bytes) -> int:
     if len(content) < 16:
         raise UnusableFileError("it is not a skin")
     verts, texcoords, faces, bones = np.frombuffer(content, "<i4", 4).tolist()
-    if min(verts, faces, bones) < 1 or texcoords not in (0, verts) or verts > MOST_VERTICES:
+    if min(verts, faces, bones) < 1 or texcoords not in (0, verts) or verts > MAX_VERTICES:
         raise UnusableFileError("its sizes are not those of a skin")
     place = 16 + 12 * verts + 8 * texcoords
     indices = _indices(content, place, 3 * faces, verts)
@@ -375,4 +375,4 @@ def _integers(content: bytes, place: int, count: int) -> "np.ndarray":
 
 
 _CHECKS: Mapping[str, Callable[[bytes], int]] = {"texture": pixels_of, "mesh": _mesh_bytes, "skin": _vertices}
-_MOST = {"texture": MOST_PIXELS, "mesh": MOST_MESH_BYTES, "skin": MOST_VERTICES}
+_MAX_SIZES = {"texture": MAX_PIXELS, "mesh": MAX_MESH_BYTES, "skin": MAX_VERTICES}

@@ -26,7 +26,7 @@ Named = TypeVar("Named", bound=Model)
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
-MOST_CONTACTS = 1500  # At the start of an episode; an infant with ten fingers and fifty toys in a room have 150.
+MAX_CONTACTS = 1500  # At the start of an episode; an infant with ten fingers and fifty toys in a room have 150.
 TOUCH_M = 1.5e-4
 """How deep in each other things are that only touch: MuJoCo's contacts are soft, and poses are made with 1e-4 m."""
 NOT_MJCF = (".json", ".yaml", ".md", ".npz")  # Endings of the files of a bundle that are not MuJoCo's.
@@ -58,7 +58,9 @@ def load_plain_model(bundle: Bundle) -> mujoco.MjModel:
         size = int(model.tex_height[index]) * int(model.tex_width[index]) * channels
         mean = model.tex_data[start : start + size].reshape(-1, channels).mean(axis=0) / 255.0
         texture.rgb1 = np.resize(mean, 3).tolist() if channels < 3 else mean[:3].tolist()
-        texture.file, texture.cubefiles, texture.gridsize = "", [""] * 6, [1, 1]
+        texture.file = ""
+        texture.cubefiles = [""] * 6
+        texture.gridsize = [1, 1]
         texture.builtin, texture.mark = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtMark.mjMARK_NONE
         texture.width, texture.height = 1, 1 if is_flat else 6
     plain = spec.compile()
@@ -122,7 +124,7 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 def check_contacts(data: mujoco.MjData) -> None:
     """Raise a ModelError if, at the start of an episode, there are more contacts than in any scene."""
-    if data.ncon > MOST_CONTACTS:
+    if data.ncon > MAX_CONTACTS:
         raise ModelError(f"the model has {data.ncon:,} contacts at the start, which no scene of mimoc's has")
 
 
@@ -161,7 +163,7 @@ def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.b
     return is_inside
 
 
-_SHOWN = 5  # Most problems that an error tells of.
+_MAX_LISTED = 5  # Most problems that an error tells of.
 INFANT, SCENE = "infant.xml", "scene.xml"
 """The MJCF of a bundle; the second includes the first, or is complete by itself."""
 
@@ -213,13 +215,14 @@ def check_fits(path: Path, manifest: Model, timestep_ms: float, model: mujoco.Mj
         "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
         "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
     }
-    fitting, missing = {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}, []
+    fitting = {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
+    missing = []
     for where, kind, name in _names(manifest, None, ""):
         index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
         if index < 0 or index not in fitting.get(kind, (index,)):
             missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
     if missing:
-        reason = f"its manifest does not fit its model: {first_of(missing, _SHOWN)}"
+        reason = f"its manifest does not fit its model: {first_of(missing, _MAX_LISTED)}"
         raise BundleError(f"{path}: {reason}; build it again")
 
 

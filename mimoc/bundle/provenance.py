@@ -18,19 +18,21 @@ from mimoc.base.errors import BundleError
 Entry = dict[str, Any]  # Value, rule, data and sources of a number.
 Entries = Mapping[str, Mapping[str, Any]]  # Value, rule, data and sources of each number, by key.
 PROVENANCE = "provenance.json"
-MOST_FOLLOWED = 8
+MAX_FOLLOWED = 8
 """Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
-MOST_EXPLAINED = 100_000  # Numbers that one explanation can consist of.
+MAX_EXPLAINED = 100_000  # Numbers that one explanation can consist of.
 NUMBERS, ORIGINS, PHRASES, SOURCES = "numbers", "origins", "phrases", "sources"
 ALONE = ("fit", "points")  # What hardly two numbers share.
-MOST_UNPACKED = 50_000_000
+MAX_UNPACKED = 50_000_000
 """Characters and keys that all numbers can have together; the largest bundles have a twentieth of this."""
 BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")  # Factors are what most rules differ in.
 
 
 def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
     """Return the provenance of numbers, by key, as it is written."""
-    phrases, sources, origins = dict[str, int](), dict[tuple[str, ...], int](), dict[str, int]()
+    phrases = dict[str, int]()
+    sources = dict[tuple[str, ...], int]()
+    origins = dict[str, int]()
     numbers = dict[str, dict[str, Any]]()
     for key in sorted(entries):
         origin = dict(entries[key])
@@ -41,7 +43,8 @@ def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
             )
         if "xml" in origin:
             origin["xml"] = _index(phrases, origin["xml"].replace(f"'{_name(key)}'", "'*'"))
-        value, alone = origin.pop("value"), {name: origin.pop(name) for name in ALONE if name in origin}
+        value = origin.pop("value")
+        alone = {name: origin.pop(name) for name in ALONE if name in origin}
         of, _, what = key.rpartition(".")
         index = _index(origins, json.dumps(origin, sort_keys=True))
         numbers.setdefault(of, {})[what] = [index, value, alone] if alone else [index, value]
@@ -52,7 +55,7 @@ def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
     """Return the provenance of numbers, by key, from what is written; a ValueError says that it would be too large."""
     phrases, sources = written[PHRASES], written[SOURCES]
     numbers = _numbers(written[NUMBERS], written[ORIGINS])
-    if _size(numbers.values(), phrases, sources) > MOST_UNPACKED:
+    if _size(numbers.values(), phrases, sources) > MAX_UNPACKED:
         raise ValueError("more text than any infant needs")
     read: dict[str, Callable[[Any, str], Any]] = {
         "rule": lambda parts, key: " ".join(phrases[part] for part in parts),
@@ -102,8 +105,8 @@ def read_entries(content: bytes) -> Entries:
         sizes = dict[str, int]()
         for key in TopologicalSorter({key: entry.get("from", ()) for key, entry in entries.items()}).static_order():
             sources = entries[key].get("from", ())
-            sizes[key] = 1 + (sum(sizes[source] for source in sources) if len(sources) <= MOST_FOLLOWED else 0)
-        if max(sizes.values(), default=0) > MOST_EXPLAINED:
+            sizes[key] = 1 + (sum(sizes[source] for source in sources) if len(sources) <= MAX_FOLLOWED else 0)
+        if max(sizes.values(), default=0) > MAX_EXPLAINED:
             raise ValueError("an explanation without end")
     except (ValueError, LookupError, TypeError, AttributeError, CycleError, RecursionError):
         raise BundleError(f"its {PROVENANCE} is damaged; build it again with 'mimoc build'") from None
@@ -113,7 +116,9 @@ def read_entries(content: bytes) -> Entries:
 def _is_entry(entry: Any) -> bool:
     if not isinstance(entry, dict) or "value" not in entry or not isinstance(entry.get("rule"), str):
         return False
-    texts, points, fit = [entry.get("unit", ""), entry.get("xml", "")], entry.get("points", []), entry.get("fit", {})
+    texts = [entry.get("unit", ""), entry.get("xml", "")]
+    points = entry.get("points", [])
+    fit = entry.get("fit", {})
     return (
         all(isinstance(text, str) for text in texts)
         and isinstance(entry.get("from", []), list)

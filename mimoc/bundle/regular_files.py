@@ -13,10 +13,10 @@ if TYPE_CHECKING:  # Commands check names of files before pydantic is needed.
 
     from mimoc.schema.base import Model
 
-MOST_BYTES = 2**26  # Of one file; 64 MB.
-MOST_BYTES_IN_ALL = 2**27  # Of all files of a bundle, of which infants with the densest skin have a tenth.
-MOST_FILES = 4096
-MOST_NESTED = 8
+MAX_BYTES = 2**26  # Largest size of one file; 64 MB.
+MAX_BYTES_IN_ALL = 2**27  # Largest size of all files of a bundle; infants with the densest skin have a tenth.
+MAX_FILES = 4096
+MAX_NESTED = 8
 
 _TOP = PurePosixPath(".")
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -38,7 +38,7 @@ class RegularFiles:
         self._folders, self._handles = {_TOP: folder}, handles
         self._left = most_bytes_in_all
 
-    def read(self, name: str, most_bytes: int = MOST_BYTES) -> bytes | None:
+    def read(self, name: str, most_bytes: int = MAX_BYTES) -> bytes | None:
         """Return the content of a file, None if there is none; UnusableFileError if not regular, or too large."""
         file = self.open(name, min(most_bytes, self._left))
         if file is None:
@@ -102,7 +102,7 @@ class RegularFiles:
 
 
 @contextmanager
-def regular_files(folder: Path, most_bytes_in_all: int = MOST_BYTES_IN_ALL) -> Iterator[RegularFiles]:
+def regular_files(folder: Path, most_bytes_in_all: int = MAX_BYTES_IN_ALL) -> Iterator[RegularFiles]:
     """Open a folder, which may itself be a link, to read its files; an OSError says that it cannot be opened."""
     with ExitStack() as handles:
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -110,7 +110,7 @@ def regular_files(folder: Path, most_bytes_in_all: int = MOST_BYTES_IN_ALL) -> I
         yield RegularFiles(handle, handles, most_bytes_in_all)
 
 
-def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path | None = None) -> bytes | None:
+def read_regular_file(path: Path, most_bytes: int = MAX_BYTES, *, below: Path | None = None) -> bytes | None:
     """Return the content of a file, None if it does not exist or cannot be read.
 
     No folder between it and one above, *below*, by default its own, may be a link. Raises an UnusableFileError if it is
@@ -160,14 +160,14 @@ def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> Binar
     raise UnusableFileError("is larger than those of any infant" if is_file else "is not a regular file")
 
 
-MOST_JSON_BYTES = 2**22  # Of a file, unless its reader knows better; 4 MB.
-_SHOWN = 3
+MAX_JSON_BYTES = 2**22  # Largest size of a JSON file, unless its reader knows better; 4 MB.
+_MAX_LISTED = 3
 
 Data = TypeVar("Data", bound="Model")
 
 
 def read_json_file(
-    path: Path, kind: type[Data], most_bytes: int = MOST_JSON_BYTES, *, below: Path | None = None
+    path: Path, kind: type[Data], most_bytes: int = MAX_JSON_BYTES, *, below: Path | None = None
 ) -> Data | None:
     """Return the content of a JSON file as data of a type; None if it does not exist or cannot be read.
 
@@ -197,7 +197,7 @@ def problems_in(error: "ValidationError") -> str:
         ": ".join([".".join(map(str, problem["loc"])), problem["msg"].removeprefix("Value error, ")]).removeprefix(": ")
         for problem in error.errors(include_url=False, include_context=False, include_input=False)
     ]
-    return one_line(first_of(problems, _SHOWN))
+    return one_line(first_of(problems, _MAX_LISTED))
 
 
 def first_of(problems: Sequence[str], most: int) -> str:

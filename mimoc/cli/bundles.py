@@ -39,7 +39,7 @@ def build(
         return
     infant = load_spec(spec)
     with console.progress("building") as show:
-        built = builder(infant, target).watched(show)(infant.scene.seed if seed is None else seed)
+        built = builder(infant, target).with_progress(show)(infant.scene.seed if seed is None else seed)
     written = write_bundle(built, out, force=force)
     console.print_child(built.manifest, who_percentiles(built.manifest.child))
     _print_scene(built.manifest, written)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from mimoc.studies.cohorts.cohort import Plan, Status, StepPlan
     from mimoc.studies.cohorts.table import MilestoneSummary
 
+MAX_FAILURES = 10  # Number of failed jobs that are listed; all are in the table.
+
 app = typer.Typer(
     name="cohort",
     help="Build, check, run or train many infants, and gather one table.",
@@ -67,9 +69,16 @@ def run(
     jobs_per_task: JobsPerTask = None,
 ) -> None:
     """Do all jobs that have no result yet; run the same command again after an interruption."""
-    slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
-    others = {"processes": processes, "address": address, "jobs_per_task": jobs_per_task}
-    _do(partial(mimoc.Cohort.run, index=index, of=of), cohort, out, on, {**slurm, **others})
+    options = {
+        "partition": partition,
+        "time_min": time,
+        "memory_gb": memory,
+        "array_limit": array_limit,
+        "processes": processes,
+        "address": address,
+        "jobs_per_task": jobs_per_task,
+    }
+    _carry_out(partial(mimoc.Cohort.run, index=index, of=of), cohort, out, on, options)
 
 
 @app.command(epilog="Example:  mimoc cohort retry spring.yaml -o out/spring")
@@ -86,9 +95,16 @@ def retry(
     jobs_per_task: JobsPerTask = None,
 ) -> None:
     """Do the failed jobs again, and those that have no result yet."""
-    slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
-    others = {"processes": processes, "address": address, "jobs_per_task": jobs_per_task}
-    _do(mimoc.Cohort.retry, cohort, out, on, {**slurm, **others})
+    options = {
+        "partition": partition,
+        "time_min": time,
+        "memory_gb": memory,
+        "array_limit": array_limit,
+        "processes": processes,
+        "address": address,
+        "jobs_per_task": jobs_per_task,
+    }
+    _carry_out(mimoc.Cohort.retry, cohort, out, on, options)
 
 
 @app.command(epilog="Example:  mimoc cohort status spring.yaml -o out/spring")
@@ -103,7 +119,9 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     from mimoc.cli import console
 
     study = mimoc.read_cohort(cohort)
-    for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
+    # The CSV is written first by itself, so that it exists, and is said to, if pyarrow is missing.
+    rounds = (False,) if csv else (False, True)
+    for parquet in rounds:
         with console.progress("reading results") as show:
             written = study.table(out, parquet=parquet, progress=show)
         print(printable(written[-1]))
@@ -122,16 +140,19 @@ def milestones(
     study = mimoc.read_cohort(cohort)
     with console.progress("reading results") as show:
         summary = milestone_summary(study.rows(out, progress=show))
-    print(json.dumps(summary.to_data(), indent=1)) if as_json else _print_milestones(summary)
+    if as_json:
+        print(json.dumps(summary.to_data(), indent=1))
+    else:
+        _print_milestones(summary)
 
 
-def _do(do: "Callable[..., Status]", cohort: Path, out: Path, on: str, options: dict[str, Any]) -> None:
-    """Do jobs, and print what became of them and what to do next; the exit code is 1 if some have failed."""
+def _carry_out(action: "Callable[..., Status]", cohort: Path, out: Path, on: str, options: dict[str, Any]) -> None:
+    """Run or retry jobs, print their status and the next command; the exit code is 1 if any job has failed."""
     from mimoc.cli import console
 
     given = {name: value for name, value in options.items() if value is not None}
     with console.progress("running") as show, resumable():
-        status = do(mimoc.read_cohort(cohort), out, on, progress=show, **given)
+        status = action(mimoc.read_cohort(cohort), out, on, progress=show, **given)
     _print_status(status)
     if status.failures:
         print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
@@ -146,11 +167,11 @@ def _print_plan(plan: "Plan") -> None:
     headings = ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading)
     rows = (_plan_row(step, plan.processes) for step in plan.steps)
     print_table(headings, rows, title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}")
-    more = "at least " if any(step.at_least for step in plan.steps) else ""
+    bound = "at least " if any(step.at_least for step in plan.steps) else ""
     duration = f"{60 * plan.hours:.0f} min" if plan.hours < 2 else f"{plan.hours:.1f} h"
     if plan.hours < 1 / 60:
         duration = f"{3600 * plan.hours:.0f} s"
-    print_line(f"{more}{duration} on {counted(plan.processes, 'core')}, {more}{plan.bytes / 1e6:.0f} MB on disk")
+    print_line(f"{bound}{duration} on {counted(plan.processes, 'core')}, {bound}{plan.bytes / 1e6:.0f} MB on disk")
     for step in plan.steps:
         if step.error:
             print_line(f"the trial of '{step.step}' failed: {step.error}", "yellow")
@@ -159,13 +180,17 @@ def _print_plan(plan: "Plan") -> None:
 def _plan_row(step: "StepPlan", processes: int) -> tuple[str, ...]:
     if step.seconds is None:
         return step.step, f"{step.jobs}", f"{step.done}", "", "0", ""
-    more = "> " if step.at_least else ""
+    bound = "> " if step.at_least else ""
     hours = (step.jobs - step.done) * step.seconds / processes / 3600
-    seconds = f"{more}{readable(step.seconds)}"
-    return step.step, f"{step.jobs}", f"{step.done}", seconds, f"{more}{readable(hours, 2)}", f"{step.bytes / 1000:.0f}"
-
-
-MAX_FAILURES = 10  # Failed jobs that are listed; all are in the table.
+    seconds = f"{bound}{readable(step.seconds)}"
+    return (
+        step.step,
+        f"{step.jobs}",
+        f"{step.done}",
+        seconds,
+        f"{bound}{readable(hours, 2)}",
+        f"{step.bytes / 1000:.0f}",
+    )
 
 
 def _print_status(status: "Status") -> None:
@@ -176,8 +201,8 @@ def _print_status(status: "Status") -> None:
     print_table(("step", *states), rows, title=counted(status.jobs, "job"))
     for failure in status.failures[:MAX_FAILURES]:
         seed = {} if failure.job.seed is None else {"seed": failure.job.seed}
-        who = ", ".join(f"{name}={value}" for name, value in {**failure.job.factors, **seed}.items())
-        print_line(f"failed: {' '.join((failure.job.step, who)).rstrip()}: {failure.error}", "red")
+        factors = ", ".join(f"{name}={value}" for name, value in {**failure.job.factors, **seed}.items())
+        print_line(f"failed: {' '.join((failure.job.step, factors)).rstrip()}: {failure.error}", "red")
         print_line(f"        {failure.log}")
     if len(status.failures) > MAX_FAILURES:
         print_line(f"... and {len(status.failures) - MAX_FAILURES} more; see the table")

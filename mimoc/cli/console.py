@@ -67,7 +67,9 @@ class PlainProgress:
     def __init__(
         self, what: str, write: Callable[[str], None] | None = None, clock: Callable[[], float] = perf_counter
     ):
-        self._what, self._write, self._clock = what, write or _to_errors, clock
+        self._what = what
+        self._write = write or _to_errors
+        self._clock = clock
         self._begun: tuple[int, float] | None = None
         self._due_s = 0.0
 

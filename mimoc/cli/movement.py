@@ -127,7 +127,7 @@ Phase = Annotated[Path | None, typer.Option(metavar="FILE", help="Plot knees ove
 REAL, FRONT, SEEDS = "real", "front", "0:12"
 SIMULATED = "is for an infant that is simulated; name a spec or a bundle, and its --policy, or leave it out"
 NO_POINTS = "says how points are read, which mimoc did not write itself, and there are none here; leave it out"
-SHOWN = 2  # Simulated or measured infants that are animated beside one of those they are compared with.
+MAX_ANIMATED = 2  # Simulated or measured infants that are animated beside one of those they are compared with.
 
 
 def movement(
@@ -244,7 +244,7 @@ def _write(measured: Any, films: "list[Filmed]", others: "list[Filmed]", paths: 
     if plot:
         write_measures(measured, plot)
     if gif:
-        chosen = [film.seen for film in (*others[:SHOWN], *films)][:MAX_FIGURES]
+        chosen = [film.seen for film in (*others[:MAX_ANIMATED], *films)][:MAX_FIGURES]
         with console.progress("drawing") as show:
             animate(chosen, gif, columns=min(4, len(chosen)), progress=show)
     for path in paths:
@@ -253,7 +253,7 @@ def _write(measured: Any, films: "list[Filmed]", others: "list[Filmed]", paths: 
 
 
 INTERRUPTED = 130  # Exit code after Ctrl-C, as shells have it.
-MOST_NAMED = 6  # Joints that a line of the summary names.
+MAX_NAMED = 6  # Joints that a line of the summary names.
 _FORMATS = ", ".join((*FORMATS, *announced("mimoc.motion")))
 PointsPath = Annotated[
     Path, typer.Argument(metavar="RECORDING", help="File or folder of points on a filmed infant; see `--format`.")
@@ -402,8 +402,8 @@ def _print_joints(account: "Account") -> None:
 
 def _named(joints: "Sequence[tuple[str, str]]") -> str:
     """Return the first of some joints, each with a number, and how many there are besides."""
-    words = [f"{name.removeprefix('robot:')} {number}".rstrip() for name, number in joints[:MOST_NAMED]]
-    more = f" and {len(joints) - MOST_NAMED} more" if len(joints) > MOST_NAMED else ""
+    words = [f"{name.removeprefix('robot:')} {number}".rstrip() for name, number in joints[:MAX_NAMED]]
+    more = f" and {len(joints) - MAX_NAMED} more" if len(joints) > MAX_NAMED else ""
     return ", ".join(words) + more if words else "none"
 
 

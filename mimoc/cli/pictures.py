@@ -298,7 +298,8 @@ def see(
     bundle = _infant_of(world, name) if world else load_infant(infant)
     if name and not world:
         raise MimocError("--infant chooses from a world with several infants, and this is one; leave it out")
-    vision, seeing = spec_of(bundle).senses.vision or VisionSpec(), bundle.manifest.senses.vision
+    vision = spec_of(bundle).senses.vision or VisionSpec()
+    seeing = bundle.manifest.senses.vision
     vision = vision.model_copy(update={"body": seeing.body}) if seeing else vision
     months = read_eye_ages(ages)
     views = compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
@@ -333,7 +334,9 @@ def rooms(
     from mimoc.render.picture_files import captioned_grid, check_picture_name, write_picture
 
     check_picture_name(file)
-    wanted, pictures, size_px = parse_seeds(seeds), list[Any](), (size, size * 3 // 4)
+    wanted = parse_seeds(seeds)
+    pictures = list[Any]()
+    size_px = (size, size * 3 // 4)
     draw = _scene_drawer(spec, size_px)
     with console.progress("drawing") as show:
         for number, seed in enumerate(wanted, start=1):

@@ -220,7 +220,8 @@ def _print_contacts(table: Mapping[str, Sequence[Any]], title: str) -> None:
     keys = [*zip(*(table[name] for name in ("infant", "does", "other", "part", "other_part")), strict=True)]
     seconds, times = dict[tuple[str, ...], float](), dict[tuple[str, ...], int]()
     for key, length_s, count in zip(keys, table["seconds"], table["times"], strict=True):
-        seconds[key], times[key] = seconds.get(key, 0.0) + length_s, times.get(key, 0) + count
+        seconds[key] = seconds.get(key, 0.0) + length_s
+        times[key] = times.get(key, 0) + count
     rows = []
     for whole in (key for key in seconds if key[4] == "any"):
         rows.append((" ".join(whole[:3]), "", "", readable(seconds[whole]), f"{times[whole]}"))

@@ -220,7 +220,8 @@ def policies_by_infant(
     motions = {name: folder for name, (kind, _, folder) in follows.items() if kind == MOTION}
     if root and not motions:
         raise MimocError("--root says how the trunk follows a motion; choose --policy motion, and no other")
-    bind, chosen = partial(motion.bind, root=(root or Root.FREE).value), dict[str, Any]()
+    bind = partial(motion.bind, root=(root or Root.FREE).value)
+    chosen = dict[str, Any]()
     for name, text in by_infant.items():
         chosen[name] = partial(bind, text=motions[name] or str(source)) if name in motions else class_or_text(text)
     return chosen

@@ -78,7 +78,8 @@ def skill(
     real = REAL_AGES[name]
     first = max(0, round(real.youngest_months) - 2)
     last = round(real.usual_months or real.oldest_months) + 2
-    months, folder = read_months(ages, first, last, 2), out or Path("out") / f"skill_{name}"
+    months = read_months(ages, first, last, 2)
+    folder = out or Path("out") / f"skill_{name}"
     child = load_spec(spec) if spec else None
     with console.progress(f"learning to {name.replace('_', ' ')}") as show, resumable():
         report = learn_skill(

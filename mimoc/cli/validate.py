@@ -171,12 +171,16 @@ def validate(
         findings = VALIDATIONS[against](infant, show, **options)
     if plot:
         write_sheet(findings.sheet(), plot)
-    print(json.dumps(findings.data, indent=1)) if as_json else findings.show()
+    if as_json:
+        print(json.dumps(findings.data, indent=1))
+    else:
+        findings.show()
     if not findings.passed:
         raise typer.Exit(FAILED_CHECK)
 
 
 def _options(against: str, delays: bool, ages: str | None, trials: str | None, beside: str | None) -> dict[str, object]:
+    """Return the options that a comparison takes, or raise BadParameter if another is given."""
     if delays and against != "milestones":
         raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
     if ages is not None and against != "movement":
@@ -185,5 +189,8 @@ def _options(against: str, delays: bool, ages: str | None, trials: str | None, b
         raise typer.BadParameter("only movement has trials of choice; use it with --against movement")
     if beside is not None and against not in ("milestones", "movement"):
         raise typer.BadParameter("only who tries stands beside another child; use --against milestones or movement")
-    taken = {"milestones": {"delays": delays}, "movement": {"ages": ages, "trials": trials}}
-    return {**taken[against], "beside": beside} if against in taken else {}
+    if against == "milestones":
+        return {"delays": delays, "beside": beside}
+    if against == "movement":
+        return {"ages": ages, "trials": trials, "beside": beside}
+    return {}

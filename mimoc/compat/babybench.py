@@ -230,7 +230,8 @@ def read_groups(
     for switch in switched:
         against = [group for group in switch.region.groups if (group in enabled) != switch.on]
         if against and switch.region.rank == 0:
-            group, word = " and ".join(named(against)), "true" if switch.on else "false"
+            group = " and ".join(named(against))
+            word = "true" if switch.on else "false"
             message = f"has no counterpart; in mimoc this is part of '{group}', {states[not switch.on]}"
             settings.note(switch.key, f"{word} {message}")
     return switched, enabled

@@ -146,8 +146,8 @@ CALM_MONTHS, CALM_HZ = (0.0, 3.0, 6.0, 9.0), (335.0, 445.0, 450.0, 415.0)
 BELOW_CALM = 2**-0.5  # Lowest frequency, relative to that: half an octave below; assumed.
 HIGHEST_HZ = 583.0 + 2 * 151.0
 """Mean of the highest frequency of cries, and two standard deviations (1 to 7 days, n 172; Michelsson et al. 2002)."""
-LOUDEST_DB = 85.0  # Of a cry, at 1 m; assumed.
-MOUTH_M = (0.066, 0.0, 0.02)  # On MIMo's head: below the nose.
+LOUDEST_DB = 85.0  # Level of the loudest cry at 1 m; assumed.
+MOUTH_M = (0.066, 0.0, 0.02)  # Place of the mouth on MIMo's head, below the nose.
 
 
 def voice_of(tree: BodyTree) -> VoiceEntry:

@@ -59,7 +59,8 @@ def assemble_infant(
     """Return a scene with the infant of a spec, with its poses at the origin of an empty world."""
     # Under a skin, only what it does not cover is drawn.
     hip_m = (0.0, 0.0, standing_height(tree))
-    cameras, sites_by_source = dict(sensor_sites.cameras(tree)), [sensor_sites.sites(tree)]
+    cameras = dict(sensor_sites.cameras(tree))
+    sites_by_source = [sensor_sites.sites(tree)]
     sites_by_source += [*(placed.sites for placed in senses.values()), sensor_sites.keypoint_sites(tree)]
     for placed in senses.values():
         cameras |= placed.cameras

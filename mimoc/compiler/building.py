@@ -80,15 +80,16 @@ class Builder:
     infant: SceneTree
     """The infant with senses and actuators, with its poses at the origin, before it is placed in a world."""
     task_setup: TaskSetup
-    footprint: npt.NDArray[np.float64]
-    """The floor area that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
+    infant_discs: npt.NDArray[np.float64]
+    """Discs by x, y and radius that the infant covers in all its poses, shape (n, 3), [m]; empty if neither toys nor
+    the scene need them."""
     scene_assets: SceneAssets  # The toys and wallpapers that scenes choose from.
     manifest: Manifest  # The manifest, without the fields that depend on the seed.
     has_skin: bool
 
     @cached_property
-    def covered(self) -> npt.NDArray[np.float64]:
-        """The floor that the infant at the origin covers in all its poses, and its task: discs, shape (n, 3), [m]."""
+    def infant_and_task_discs(self) -> npt.NDArray[np.float64]:
+        """Discs that the infant at the origin, in all its poses, and its task cover, always computed; shape (n, 3)."""
         discs = footprint(self.tree, [pose.qpos for pose in self.infant.keyframes])
         return np.concatenate([discs, np.reshape(self.task_setup.taken, (-1, 3))])
 
@@ -124,8 +125,10 @@ class Builder:
     @cached_property
     def origins(self) -> Mapping[str, Any]:
         """Provenance of the infant's numbers, by key in `provenance.json`."""
-        spec, tree, manifest = self.spec, self.tree, self.manifest
-        # The keys of the spec that scale each part, by its name in the body.
+        spec = self.spec
+        tree = self.tree
+        manifest = self.manifest
+        # Each part's keys in the spec that scale it, by the name that the part has in the body.
         scaled: dict[str, tuple[str, ...]] = {}
         for name, part in spec.body.parts.items():
             keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
@@ -152,7 +155,7 @@ class Builder:
     def __reduce__(self) -> tuple[Any, ...]:
         return builder, (self.spec, self.target, None, self.has_skin)
 
-    def watched(self, progress: Callable[[int, int], None]) -> "Builder":
+    def with_progress(self, progress: Callable[[int, int], None]) -> "Builder":
         """Return a copy that calls a function with the number of toys loaded and their total."""
         assets = self.scene_assets
         return replace(self, scene_assets=replace(assets, toybox=replace(assets.toybox, progress=progress)))
@@ -168,7 +171,7 @@ class Builder:
             SpecError: If there is not enough space for the toys, or a mesh cannot be used.
             ModelError: If MuJoCo rejects the model.
         """
-        return self.to_bundle(seed, self.furnished(seed), check=check)
+        return self.to_bundle(seed, self.place_scene(seed), check=check)
 
     def to_bundle(self, seed: int, furnished: PlacedScene, *, check: bool = False) -> Bundle:
         """Return the bundle of a seed, whose scene is furnished already; see `__call__`."""
@@ -191,11 +194,13 @@ class Builder:
             raise trace_model_error(error, as_written(spec), {**world_origins, **self.origins}) from None
         return lock_files(files, {"mimoc": __version__}, load_tables().files, manifest)
 
-    def furnished(self, seed: int) -> PlacedScene:
+    def place_scene(self, seed: int) -> PlacedScene:
         """Return the scene of a seed, before it is written; a SpecError says which toy or object has no place."""
         spec = _with_seed(self.spec, seed)
         with errors_in_file(lambda: as_written(spec)):
-            furnished = place_in_scene(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
+            furnished = place_in_scene(
+                self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.infant_discs
+            )
         check_offers(spec.scene.caregiver, furnished.toys, furnished.things, lambda: as_written(spec))
         return replace(furnished, scene=find_target(self.target).world(furnished.scene))
 
@@ -238,8 +243,9 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         message = f"{target}'s code knows no stretch reflexes of spastic muscles; leave spastic tone out"
         raise SpecError([as_written(spec).problem(("impairments",), message)])
     tree = compatibility.body(grown.tree)
-    usual = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
-    has_skin = usual if spec.body.skin is None else spec.body.skin
+    has_skin = spec.body.skin
+    if has_skin is None:
+        has_skin = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
     try:
         actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
@@ -257,7 +263,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         senses=senses,
         infant=infant,
         task_setup=task_setup,
-        footprint=covered_floor(infant, spec.scene, tree),
+        infant_discs=covered_floor(infant, spec.scene, tree),
         scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
         has_skin=has_skin,
@@ -306,7 +312,9 @@ def build(
         'built'
     """
     compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec), target)
-    return (compiler.watched(progress) if progress else compiler)(compiler.spec.scene.seed)
+    if progress:
+        compiler = compiler.with_progress(progress)
+    return compiler(compiler.spec.scene.seed)
 
 
 def compiled(source: Bundle | InfantSpec | str | Path) -> Bundle:

@@ -21,7 +21,7 @@ from mimoc.base.geometry.adult import (
     Adult,
     neck,
 )
-from mimoc.base.geometry.reach import Frame, lean
+from mimoc.base.geometry.reach import Frame, leaning_pose
 from mimoc.base.geometry.rotations import FloatArray, Quaternion, Vec3, quaternion_from_axis, quaternion_from_matrix
 from mimoc.base.units import cm_to_m
 from mimoc.body.kinematics import frames, frames_in_world
@@ -258,7 +258,7 @@ def _body(name: str, frame: Frame, geoms: tuple[ObjectGeom, ...]) -> ObjectBody:
 def _frames(entry: CaregiverEntry, head: Frame) -> dict[str, Frame]:
     adult, (origin_m, turn) = Adult(entry.scale), head
     face = origin_m + turn @ entry.infant_face_m, turn
-    leaning = lean(adult.figure, face, entry.place, entry.side == "left", entry.distance_m, entry.height_m)
+    leaning = leaning_pose(adult.figure, face, entry.place, entry.side == "left", entry.distance_m, entry.height_m)
     placed = {entry.head: leaning.head, entry.neck: neck(leaning), entry.trunk: leaning.trunk}
     for side, arm in zip(SIDES, entry.arms, strict=True):
         parts = adult.arm(leaning.trunk, side, adult.resting(leaning.trunk, side))

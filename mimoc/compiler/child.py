@@ -16,7 +16,7 @@ from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec, as_written, validated
 from mimoc.schema.names import unsided
 
-LEAST, LARGEST = 0.4, 2.0
+MIN_RATIO, MAX_RATIO = 0.4, 2.0
 """Range of a measurement, relative to the average child's at the same age.
 
 Children born after 22 weeks are .57 times as long as those born at term, weigh .15 times as much (Fenton and Kim 2013,
@@ -42,18 +42,23 @@ def check_available(spec: InfantSpec) -> None:
 
 def _problems_of_measurements(spec: InfantSpec) -> Iterator[Problem]:
     anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
-    written, average = as_written(spec), measure(spec.corrected_age_months, CURVES[spec.development])
+    written = as_written(spec)
+    average = measure(spec.corrected_age_months, CURVES[spec.development])
     for key, value_cm in spec.body.measurements.items():
-        path, average_cm = ("body", "measurements", key), m_to_cm(average[unsided(key)])
+        path = ("body", "measurements", key)
+        average_cm = m_to_cm(average[unsided(key)])
         if unsided(key) not in anatomy.follows:
             what = f"no part of a {spec.body.hands} body follows it by the law '{spec.development}'; leave it out"
             yield written.problem(path, what, at="key")
-        if not LEAST <= value_cm / average_cm <= LARGEST:
-            least_cm, largest_cm = math.ceil(10 * LEAST * average_cm) / 10, math.floor(10 * LARGEST * average_cm) / 10
+        if not MIN_RATIO <= value_cm / average_cm <= MAX_RATIO:
+            least_cm, largest_cm = (
+                math.ceil(10 * MIN_RATIO * average_cm) / 10,
+                math.floor(10 * MAX_RATIO * average_cm) / 10,
+            )
             message = (
                 f"{value_cm:g} cm is {value_cm / average_cm:.2g} times what the average child of "
-                f"{spec.corrected_age_months:g} months has ({average_cm:.1f} cm), and children have {LEAST:g} to "
-                f"{LARGEST:g} times as much; give {least_cm:.1f} to {largest_cm:.1f} cm"
+                f"{spec.corrected_age_months:g} months has ({average_cm:.1f} cm), and children have {MIN_RATIO:g} to "
+                f"{MAX_RATIO:g} times as much; give {least_cm:.1f} to {largest_cm:.1f} cm"
             )
             yield written.problem(path, message)
 
@@ -81,7 +86,8 @@ class Suspect:
 
     def advise(self, limit: float) -> str:
         """Return advice, given that values between neutral and *limit* are possible."""
-        is_measurement, is_less = self.path[1] == "measurements", self.value > limit
+        is_measurement = self.path[1] == "measurements"
+        is_less = self.value > limit
         digits = 1 if is_measurement else 2
         bound = (math.floor if is_less else math.ceil)(limit * 10**digits) / 10**digits
         if is_measurement:

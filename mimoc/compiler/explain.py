@@ -10,7 +10,7 @@ from typing import Any
 
 from mimoc.base.errors import BundleError, MimocError
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.provenance import MOST_FOLLOWED, PROVENANCE, Entries, read_entries
+from mimoc.bundle.provenance import MAX_FOLLOWED, PROVENANCE, Entries, read_entries
 from mimoc.bundle.world import WorldBundle
 from mimoc.compiler.building import builder
 from mimoc.compiler.provenance import SPEC_FILE
@@ -53,7 +53,8 @@ def find(bundle: Bundle | WorldBundle, text: str) -> dict[str, str]:
     Raises:
         MimocError: If there is no such number; the message suggests similar ones.
     """
-    entries, part = entries_of(bundle), "_".join(text.lower().split())
+    entries = entries_of(bundle)
+    part = "_".join(text.lower().split())
     if text in entries:
         return {text: value_text(entries[text])}
     pattern = part if set(part) & set("*?") else f"*{part.replace('[', '[[]')}*"
@@ -110,7 +111,7 @@ def entries_of(bundle: Bundle | WorldBundle) -> Entries:
 
 def _explain(key: str, entries: Entries) -> Explanation:
     sources = entries[key].get("from", ())
-    if len(sources) > MOST_FOLLOWED:
+    if len(sources) > MAX_FOLLOWED:
         values = tuple(Explanation(source, (value_text(entries[source]),), ()) for source in sources)
         return Explanation(key, _lines(entries[key]), values)
     return Explanation(key, _lines(entries[key]), tuple(_explain(source, entries) for source in sources))

@@ -151,7 +151,7 @@ REACH_MS: Mapping[float, float] = {4: 1500, 6: 600, 8.5: 500, 12: 450, 24: 400}
 ADULT_SACCADE_MS, ADULT_REACH_MS = 180.0, 250.0
 VARIATION: Mapping[float, float] = {4: 0.35, 12: 0.2}
 """Standard deviation of the response of one infant, as a share of its mean, by months (from memory, M)."""
-LEAST_MS = 60.0  # No decision is quicker on average.
+MIN_MS = 60.0  # No decision is quicker on average.
 RESPONSES = {"look": (SACCADE_MS, ADULT_SACCADE_MS), "reach": (REACH_MS, ADULT_REACH_MS)}
 RESPONSE_RULES = {
     "look": "time to a saccade (D: < 500 ms at 1 and 2 months, 242 to 250 at 9 to 15)",
@@ -168,11 +168,13 @@ def processing(spec: InfantSpec, delays: DelaysEntry) -> ProcessingEntry | None:
     """
     if spec.delays.processing in (None, "off"):
         return None
-    is_adult, months = spec.delays.processing == "adult", spec.corrected_age_months
-    conduction_ms, numbers = getattr(delays, SIGHT).ms + delays.motor.ms, dict[str, float]()
+    is_adult = spec.delays.processing == "adult"
+    months = spec.corrected_age_months
+    conduction_ms = getattr(delays, SIGHT).ms + delays.motor.ms
+    numbers = dict[str, float]()
     for name, (by_age, adult_ms) in RESPONSES.items():
         mean_ms = adult_ms if is_adult else _at(by_age, months)
-        decision_ms = max(LEAST_MS, mean_ms - conduction_ms)
+        decision_ms = max(MIN_MS, mean_ms - conduction_ms)
         variation = _at(VARIATION, math.inf if is_adult else months)
         numbers |= {f"{name}_ms": decision_ms, f"{name}_variation": variation * mean_ms / decision_ms}
     return ProcessingEntry(**numbers)
@@ -190,7 +192,7 @@ def trace_processing(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[st
     sources += ["spec.age_months"] if spec.delays.processing == "age" else []
     for name, rule in RESPONSE_RULES.items():
         for key, text, unit in (
-            (f"{name}_ms", f"{rule}, less conduction in and out, {LEAST_MS:g} ms or more", "ms"),
+            (f"{name}_ms", f"{rule}, less conduction in and out, {MIN_MS:g} ms or more", "ms"),
             (f"{name}_variation", f"{VARIES}; such that all of the response varies so", "1"),
         ):
             yield f"delays.processing.{key}", Origin(text, tuple(sources), unit).entry(getattr(delays.processing, key))
@@ -244,7 +246,8 @@ LOW_PASS = "assumed time constant of an infant's muscles (half-relaxation is 90 
 
 def trace_noise(spec: InfantSpec, noise: NoiseEntry) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for each noise in the manifest."""
-    units, rules = {"motor": "1", "delay_jitter_ms": "ms"}, {"motor": BY_AGE}
+    units = {"motor": "1", "delay_jitter_ms": "ms"}
+    rules = {"motor": BY_AGE}
     for name, key in noise_keys().items():
         units[key], rules[key] = _option(name).unit, _option(name).source
         if (low_pass_ms := getattr(noise, low_pass_key(name), None)) is not None:
@@ -252,9 +255,12 @@ def trace_noise(spec: InfantSpec, noise: NoiseEntry) -> Iterator[tuple[str, Entr
     for key, unit in units.items():
         if key not in noise.model_dump():
             continue
-        rule, sources, given = "given by the spec", [f"spec.noise.{key}"], getattr(spec.noise, key)
+        rule = "given by the spec"
+        sources = [f"spec.noise.{key}"]
+        given = getattr(spec.noise, key)
         if isinstance(given, str):
-            rule, sources = rules[key], [*sources, *(["spec.age_months"] if given != "adult" else [])]
+            rule = rules[key]
+            sources = [*sources, *(["spec.age_months"] if given != "adult" else [])]
         yield f"noise.{key}", Origin(rule, tuple(sources), unit).entry(getattr(noise, key))
     if noise.of_commands:
         rule = "given by the spec, by region of the body; elsewhere as noise.motor"

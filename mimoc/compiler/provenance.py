@@ -100,7 +100,8 @@ def trace_world(spec: InfantSpec, furnished: PlacedScene) -> dict[str, Entry]:
 
 
 def _trace_task_object(thing: FreeObject) -> Iterator[tuple[str, Entry]]:
-    key, at = f"task_object.{thing.name}", f"scene.xml: body[@name='{thing.name}']"
+    key = f"task_object.{thing.name}"
+    at = f"scene.xml: body[@name='{thing.name}']"
     yield f"{key}.size", {"value": thing.size_m, "unit": "m", "rule": "that of MIMo's task", "from": TASK_KEYS}
     yield f"{key}.mass", mass_entry(thing, [f"{key}.size"])
     rule = "where the task begins, by the body of the infant"
@@ -150,7 +151,8 @@ def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Ite
         for attribute, (field, unit) in OF_JOINTS.items():
             value = getattr(joint, field)
             if value != getattr(of_body[name], field):
-                key, xml = f"joint.{name}.{attribute}", f"infant.xml: joint[@name='{name}']/@{attribute}"
+                key = f"joint.{name}.{attribute}"
+                xml = f"infant.xml: joint[@name='{name}']/@{attribute}"
                 written = math.radians(value) if unit == "rad" else value
                 yield key, setup.origins.get(key, unknown).entry(written, xml, unit)
 

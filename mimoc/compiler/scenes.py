@@ -58,7 +58,8 @@ def arm_of(tree: BodyTree, state: Sequence[float], side: str) -> Arm | None:
     upper_arm = f"{side}_uarm1"
     if upper_arm not in tree.geoms:
         return None
-    shoulder_m, length_m = _shoulder(_placed(tree, state), upper_arm), _arm_length(pose(tree, {}), upper_arm, side)
+    shoulder_m = _shoulder(_placed(tree, state), upper_arm)
+    length_m = _arm_length(pose(tree, {}), upper_arm, side)
     return Arm(shoulder_m, length_m, leaning_reach(length_m, float(shoulder_m[2]), state[2]))
 
 
@@ -143,6 +144,6 @@ class BuiltScene:
     world: World
     start: Placement = ORIGIN
     half_size_m: tuple[float, float] = ENDLESS_M
-    """Of the floor that toys can be on, at z = 0, from its middle at the origin."""
+    """Half lengths along x and y of the floor that toys can be on, at z = 0, with its middle at the origin."""
     origins: Mapping[str, Entry] = field(default_factory=dict)
     """Where its numbers come from, by key in `provenance.json`."""

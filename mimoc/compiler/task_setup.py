@@ -153,7 +153,8 @@ FIRM, LOOSE = 1.0, 0.0  # `torquescale` of a part whose orientation is fixed, an
 
 def locked_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[str, ...]:
     """Return the hinges that are locked, by the spec or for its task, in the order of the body."""
-    groups, by_task = single_groups(spec.actuation.locked), set(setup.locked)
+    groups = single_groups(spec.actuation.locked)
+    by_task = set(setup.locked)
     return tuple(joint for joint, group in tree.muscle_groups.items() if group in groups or joint in by_task)
 
 
@@ -213,7 +214,8 @@ def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tupl
     for hold in held:
         origin, rotation = placed[hold.body]
         x, y, z = (origin + rotation @ hold.anchor_m).tolist()
-        quat, torquescale = quaternion_from_matrix(rotation), LOOSE if hold.turns else FIRM
+        quat = quaternion_from_matrix(rotation)
+        torquescale = LOOSE if hold.turns else FIRM
         welds.append(Weld(hold_name(hold.body), hold.body, hold.anchor_m, (x, y, z), quat, torquescale))
     return tuple(welds)
 

@@ -102,13 +102,15 @@ _AROUND = np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(48)], axis=1)  # 
 
 def bounds(solid: Solid) -> tuple[FloatArray, FloatArray]:
     """Return the lower and the upper corner of a solid's axis-aligned bounding box."""
-    at, extent = np.array(solid.pos), _extents(solid).along(matrix_from_quaternion(solid.quat)[:, None])[:, 0]
+    at = np.array(solid.pos)
+    extent = _extents(solid).along(matrix_from_quaternion(solid.quat)[:, None])[:, 0]
     return at - extent, at + extent
 
 
 def radius(solid: Solid) -> float:
     """Return the largest distance of a solid's points from the z axis."""
-    at, axes = np.array(solid.pos), matrix_from_quaternion(solid.quat)
+    at = np.array(solid.pos)
+    axes = matrix_from_quaternion(solid.quat)
     if solid.mesh is not None:
         return float(np.linalg.norm((at + solid.mesh.vertices @ axes.T)[:, :2], axis=1).max())
     extent = _extents(solid).along((_AROUND @ axes)[:, None])[:, 0]
@@ -213,7 +215,8 @@ def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
     toys: list[Toy] = []
     for done in range(count):
         box.progress(done, count)
-        model, size_m = box.load(pick(which, box.names)), between(sizes, low_m, high_m)
+        model = box.load(pick(which, box.names))
+        size_m = between(sizes, low_m, high_m)
         toys.append(Toy(model, size_m, between(turns, 0.0, 2 * np.pi), _draw_colours(colours)))
     return tuple(toys)
 
@@ -413,7 +416,8 @@ def _solids(toy: Toy, name: str, meshes: str) -> Iterator[tuple[ObjectGeom, Mesh
         )
         yield geom, mesh
     if ballast_kg:
-        pos_m, sizes = (BALLAST_AT * size_m, 0.0, solids[0].pos[2] * size_m), (("size", (BALLAST_RADIUS * size_m,)),)
+        pos_m = (BALLAST_AT * size_m, 0.0, solids[0].pos[2] * size_m)
+        sizes = (("size", (BALLAST_RADIUS * size_m,)),)
         ballast = replace(hidden, name=f"{name}_ballast", type="sphere", sizes=sizes, pos_m=pos_m, mass_kg=ballast_kg)
         yield ballast, None
 
@@ -440,7 +444,8 @@ def mass_entry(thing: FreeObject, sources: list[str]) -> Entry:
 
 
 def _trace_toy(toy: FreeObject) -> Iterator[tuple[str, Entry]]:
-    key, at = f"toy.{toy.name}", f"scene.xml: body[@name='{toy.name}']"
+    key = f"toy.{toy.name}"
+    at = f"scene.xml: body[@name='{toy.name}']"
     rule = drawn_rule(f"from the available toys: {toy.source}", "toys.choice")
     yield f"{key}.object", {"value": toy.object, "rule": rule, "from": [SEED]}
     rule = drawn_rule("as its longest side, between the ends of the range", "toys.size")

@@ -71,13 +71,14 @@ def _advised(problem: Problem, spec: InfantSpec) -> str:
     """Return what is wrong at another age; advice on measures is of that age, so that other advice replaces it."""
     if not problem.key.startswith("body."):
         return problem.message
-    what, advice = problem.message.rpartition("; ")[0], f"nearer to the average child of {spec.age_months:g} months"
+    what = problem.message.rpartition("; ")[0]
+    advice = f"nearer to the average child of {spec.age_months:g} months"
     return f"{what}; leave this age out, or give what is {advice}"
 
 
 RESOLVED = "resolved.yaml"  # The file of a bundle that holds its whole spec.
 KEPT = 8  # Ages of each infant, and worlds or lone infants, that are kept, since environments return to them.
-Ages = tuple[float, ...]  # Of the infants in their order, in months.
+Ages = tuple[float, ...]  # Ages of the infants in their order, in months.
 Made = TypeVar("Made", bound=Variant)
 
 
@@ -115,7 +116,7 @@ class SpecVariants(_Variants[Variant]):
         self._spec, self._seed = spec, spec.scene.seed
         self._template: ModelTemplate | None = None
         self._own_builder = builder(spec, skin=skin)
-        self._own_scene = self._own_builder.furnished(self._seed)
+        self._own_scene = self._own_builder.place_scene(self._seed)
         super().__init__({"": self._own_builder})
 
     def __repr__(self) -> str:
@@ -151,7 +152,7 @@ class SpecVariants(_Variants[Variant]):
         (age_months,) = ages_months
         built = self._builder("", age_months)
         is_own = built is self._own_builder and scene_seed == self._seed
-        furnished = self._own_scene if is_own else built.furnished(scene_seed)
+        furnished = self._own_scene if is_own else built.place_scene(scene_seed)
 
         def files() -> Mapping[str, bytes]:
             if is_own:

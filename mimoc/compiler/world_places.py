@@ -53,7 +53,7 @@ def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Pla
     yaws = [math.radians(item.yaw_deg % 360.0) for item in plan.spec.placed]
     turned = zip(builders.values(), yaws, strict=True)
     # Where the middles of infants, each of which covers discs around its own, are along y in a row, [cm].
-    infants = [place_discs(one.covered, Placement(0.0, 0.0, yaw)) for one, yaw in turned]
+    infants = [place_discs(builder.infant_and_task_discs, Placement(0.0, 0.0, yaw)) for builder, yaw in turned]
     ends = [((discs[:, 1] - discs[:, 2]).min(), (discs[:, 1] + discs[:, 2]).max()) for discs in infants]
     middles_cm, end_cm = [], 0
     for low_m, high_m in ends:
@@ -69,7 +69,8 @@ def places_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> dict[str, Pla
 
 def entries_of(plan: WorldPlan, builders: Mapping[str, Builder]) -> list[dict[str, Any]]:
     """Return the infants of a world as its file lists them, with the names and the places that it leaves open."""
-    entries, at = list[dict[str, Any]](), {item.name: item.at for item in plan.spec.scene.objects}
+    entries = list[dict[str, Any]]()
+    at = {item.name: item.at for item in plan.spec.scene.objects}
     for item, (name, place) in zip(plan.spec.placed, places_of(plan, builders).items(), strict=True):
         entry: dict[str, Any] = {"name": name, "spec": item.spec}
         if item.start_at is None or at[item.start_at] is None:  # Otherwise, the furniture takes it to its place.
@@ -114,7 +115,7 @@ def part_of(builder: Builder, place: Placement, prefix: str) -> InfantPart:
         furniture=prefixed(furniture, prefix),
         locks=tuple(prefixed(item, prefix) for item in lock(locked_joints(spec, tree, setup), tree, state)),
         welds=tuple(prefixed(item, prefix) for item in weld(holds(spec, tree, setup), tree, state)),
-        taken=place_discs(builder.covered, place),
+        taken=place_discs(builder.infant_and_task_discs, place),
     )
 
 
@@ -131,7 +132,7 @@ def _euler_rad(turn: FloatArray) -> Vec3:
     return math.atan2(-turn[1, 2], turn[2, 2]), about_y, math.atan2(-turn[0, 1], turn[0, 0])
 
 
-Settings = tuple[tuple[str, tuple[float, ...]], ...]  # Of a keyframe: attributes and their numbers.
+Settings = tuple[tuple[str, tuple[float, ...]], ...]  # Attributes of a keyframe, and their numbers.
 
 
 def states_of(
@@ -170,7 +171,7 @@ def _padded(key: str, parts: Sequence[InfantPart], poses: Sequence[Keyframe]) ->
 
 
 IntArray = npt.NDArray[np.intp]
-GAP_M = 0.02  # Between it and the other infants at least, as all start; an assumption.
+GAP_M = 0.02  # Smallest gap between it and the other infants, as all start; an assumption.
 PLACES = (
     {"place": "in_front"},
     {"place": "beside", "side": "left"},
@@ -212,7 +213,8 @@ class WorldCaregiver:
         entry = self.entries[self.infant]
         adult = [model.body(body.name).id for body in self.persona.bodies]
         own = np.flatnonzero(np.isin(model.geom_bodyid, adult))
-        head, face = data.body(entry.head), data.body(f"{parts[self.infant].prefix}{HEAD}")
+        head = data.body(entry.head)
+        face = data.body(f"{parts[self.infant].prefix}{HEAD}")
         way_m = face.xpos - head.xpos
         hit = np.full(1, -1, np.int32)
         model.geom_matid[:], model.geom_rgba[:, 3] = -1, 1.0

@@ -108,12 +108,12 @@ class BuiltWorld:
     plan: WorldPlan
     builders: Mapping[str, Builder]
     parts: Mapping[str, InfantPart]  # What each infant adds.
-    around: BuiltScene  # The scene, in which nothing moves yet.
+    scene: BuiltScene  # The scene without its objects and toys.
     world: World  # All that is around the infants.
     toys: tuple[FreeObject, ...]
     things: tuple[PlacedThing, ...]  # The objects of the scene.
     origins: Mapping[str, Entry]  # Where the numbers of the world come from.
-    company: WorldCaregiver | None  # The caregiver, if there is one.
+    caregiver: WorldCaregiver | None
 
     def to_bundle(self, *, check: bool = False) -> WorldBundle:
         """Return the bundle; *check* that MuJoCo takes it, and that no two infants start within each other."""
@@ -127,7 +127,8 @@ class BuiltWorld:
     @property
     def mjcf(self) -> dict[str, bytes]:
         """The MJCF and its assets: the part of the bundle that MuJoCo reads."""
-        parts, spec = list(self.parts.values()), self.plan.spec
+        parts = list(self.parts.values())
+        spec = self.plan.spec
         solver = replace(parts[0].tree.solver, multiccd=multiccd(spec.scene))
         infants = [replace(part.tree, solver=solver) for part in parts]
         return printing.render_infants(spec.name, infants, self.world, self.states)
@@ -135,10 +136,10 @@ class BuiltWorld:
     @cached_property
     def states(self) -> list[Keyframe]:
         """The keyframes."""
-        return states_of(START, self.parts, self.world.resting, self._beside)
+        return states_of(START, self.parts, self.world.resting, self._caregiver_settings)
 
-    def _beside(self, poses: Poses) -> Settings:
-        return self.company.settings_at(self.builders, poses) if self.company else ()
+    def _caregiver_settings(self, poses: Poses) -> Settings:
+        return self.caregiver.settings_at(self.builders, poses) if self.caregiver else ()
 
     @cached_property
     def manifest(self) -> WorldManifest:
@@ -152,7 +153,7 @@ class BuiltWorld:
             seed=self.plan.spec.scene.seed,
             toys=describe_toys(self.toys),
             objects=describe_objects(self.things),
-            caregiver=self.company and self.company.entries[self.company.infant],
+            caregiver=self.caregiver and self.caregiver.entries[self.caregiver.infant],
             notes=tuple(_notes(self)),
         )
         return WorldManifest.model_validate(rounded(manifest.model_dump()))
@@ -160,19 +161,22 @@ class BuiltWorld:
     @cached_property
     def manifests(self) -> dict[str, Manifest]:
         """The manifests of the infants; names of what they share have no prefix."""
-        toys, objects = describe_toys(self.toys), describe_objects(self.things)
-        shared = {"seed": self.plan.spec.scene.seed, "toys": toys, "objects": objects}
-        adults = self.company.entries if self.company else {}
+        shared = {
+            "seed": self.plan.spec.scene.seed,
+            "toys": describe_toys(self.toys),
+            "objects": describe_objects(self.things),
+        }
+        caregiver_entries = self.caregiver.entries if self.caregiver else {}
         kept = {state.name for state in self.states}
         return {
-            name: manifest_with_prefix(one.manifest, f"{name}_").model_copy(
+            name: manifest_with_prefix(infant_builder.manifest, f"{name}_").model_copy(
                 update={
                     **shared,
-                    "caregiver": rounded_caregiver(adults.get(name)),
+                    "caregiver": rounded_caregiver(caregiver_entries.get(name)),
                     "poses": tuple(part.prefix + pose for pose in part.poses if part.prefix + pose in kept),
                 }
             )
-            for (name, one), part in zip(self.builders.items(), self.parts.values(), strict=True)
+            for (name, infant_builder), part in zip(self.builders.items(), self.parts.values(), strict=True)
         }
 
 
@@ -217,37 +221,17 @@ def assemble_world(plan: WorldPlan, builders: Mapping[str, Builder] | None = Non
     """Return the infants of a world in it, before anything is written; their *builders* can be given if known."""
     builders = builders or {name: _builder(plan, name) for name in plan.infants}
     _check_options(plan, builders)
-    relative, scene = places_of(plan, builders), plan.spec.scene
-    assets = assets_of_scene(scene, plan.written)
-    discs = np.concatenate([place_discs(builders[name].covered, place) for name, place in relative.items()])
-    largest = max(builders.values(), key=lambda one: length_m(one.tree))
-    build = function_of(SCENES[scene.kind].build, "build")
-    around: BuiltScene = build(scene, Occupant(largest.tree, discs), assets.wallpapers)
-    places = {name: within(around.start, place) for name, place in relative.items()}
-    objects = scene.objects
-    for name, item in zip(builders, plan.spec.placed, strict=True):
-        with_item = scene.model_copy(update={"objects": objects, "start_at": item.start_at})
-        objects, places[name] = place_furniture(with_item, places[name], builders[name].task_setup.ahead_m)
+    relative = places_of(plan, builders)
+    assets = assets_of_scene(plan.spec.scene, plan.written)
+    scene = _scene(plan, builders, relative, assets)
+    objects, places = _at_furniture(plan, builders, scene, relative)
     parts = {name: part_of(builders[name], place, f"{name}_") for name, place in places.items()}
-    things = _objects(plan, objects, around, parts, builders, places)
-    toys = _toys(plan, around, parts, builders, assets, things)
-    weightless = any(one.task_setup.weightless for one in builders.values())
-    furniture = around.world.furniture
-    for part in parts.values():
-        furniture += part.furniture
-    world = replace(
-        around.world,
-        furniture=furniture,
-        gravity_m_s2=WEIGHTLESS if weightless else around.world.gravity_m_s2,
-        objects=(*toys, *(item for part in parts.values() for item in part.objects)),
-        placed=tuple(thing.elements for thing in things),
-        locks=tuple(item for part in parts.values() for item in part.locks),
-        welds=tuple(item for part in parts.values() for item in part.welds),
-    )
-    roots = [root for part in parts.values() for root in part.tree.roots]
-    world = replace(world, pairs=barrier_pairs(world, roots))
-    origins = {**dict(trace_places(plan, places)), **(trace_toys(toys) if scene.toys else {}), **trace_objects(things)}
-    built = BuiltWorld(plan, builders, parts, around, world, toys, things, origins, None)
+    things = _objects(plan, objects, scene, parts, builders, places)
+    toys = _toys(plan, scene, parts, builders, assets, things)
+    world = _world_around(list(parts.values()), builders, scene, toys, things)
+    of_toys = trace_toys(toys) if plan.spec.scene.toys else {}
+    origins = {**dict(trace_places(plan, places)), **of_toys, **trace_objects(things)}
+    built = BuiltWorld(plan, builders, parts, scene, world, toys, things, origins, None)
     return _without_bad_poses(_with_caregiver(built))
 
 
@@ -267,33 +251,79 @@ def _builder(plan: WorldPlan, name: str) -> Builder:
 def _check_options(plan: WorldPlan, builders: Mapping[str, Builder]) -> None:
     first_name, first = next(iter(builders.items()))
     problems = []
-    for index, (name, one) in enumerate(builders.items()):
-        if one.infant.solver.integrator != first.infant.solver.integrator:
-            models = one.spec.actuation.model, first.spec.actuation.model
+    for index, (name, infant_builder) in enumerate(builders.items()):
+        if infant_builder.infant.solver.integrator != first.infant.solver.integrator:
+            model, first_model = infant_builder.spec.actuation.model, first.spec.actuation.model
             message = (
-                f"'{name}' has '{models[0]}' actuators and '{first_name}' '{models[1]}' ones, which need another "
+                f"'{name}' has '{model}' actuators and '{first_name}' '{first_model}' ones, which need another "
                 "integrator; write the same actuation.model in both specs"
             )
             problems.append(plan.problem(index, message))
-        if one.task_setup.weightless != first.task_setup.weightless:
+        if infant_builder.task_setup.weightless != first.task_setup.weightless:
             message = f"the task of either '{name}' or '{first_name}' has no gravity; give them other tasks"
             problems.append(plan.problem(index, message))
     if problems:
         raise SpecError(problems)
 
 
+def _scene(
+    plan: WorldPlan, builders: Mapping[str, Builder], relative: Mapping[str, Placement], assets: SceneAssets
+) -> BuiltScene:
+    """Return the scene for the largest of the infants, with room for what all of them cover."""
+    discs = np.concatenate(
+        [place_discs(builders[name].infant_and_task_discs, place) for name, place in relative.items()]
+    )
+    largest = max(builders.values(), key=lambda infant_builder: length_m(infant_builder.tree))
+    build = function_of(SCENES[plan.spec.scene.kind].build, "build")
+    return build(plan.spec.scene, Occupant(largest.tree, discs), assets.wallpapers)
+
+
+def _at_furniture(
+    plan: WorldPlan, builders: Mapping[str, Builder], scene: BuiltScene, relative: Mapping[str, Placement]
+) -> tuple[Sequence[ObjectSpec], dict[str, Placement]]:
+    """Return the objects of the scene and where the infants are in it, once furniture and its infants are together."""
+    objects = plan.spec.scene.objects
+    places = {name: within(scene.start, place) for name, place in relative.items()}
+    for name, item in zip(builders, plan.spec.placed, strict=True):
+        with_item = plan.spec.scene.model_copy(update={"objects": objects, "start_at": item.start_at})
+        objects, places[name] = place_furniture(with_item, places[name], builders[name].task_setup.ahead_m)
+    return objects, places
+
+
+def _world_around(
+    parts: Sequence[InfantPart],
+    builders: Mapping[str, Builder],
+    scene: BuiltScene,
+    toys: Sequence[FreeObject],
+    things: Sequence[PlacedThing],
+) -> World:
+    """Return all that is around the infants: the scene with its objects and toys, and what the tasks add."""
+    is_weightless = any(infant_builder.task_setup.weightless for infant_builder in builders.values())
+    world = replace(
+        scene.world,
+        furniture=sum((part.furniture for part in parts), start=scene.world.furniture),
+        gravity_m_s2=WEIGHTLESS if is_weightless else scene.world.gravity_m_s2,
+        objects=(*toys, *(item for part in parts for item in part.objects)),
+        placed=tuple(thing.elements for thing in things),
+        locks=tuple(lock for part in parts for lock in part.locks),
+        welds=tuple(weld for part in parts for weld in part.welds),
+    )
+    return replace(world, pairs=barrier_pairs(world, [root for part in parts for root in part.tree.roots]))
+
+
 def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
     """Return a world with the caregiver of its scene, if there is one, where it is within no other infant."""
-    scene, written = built.plan.spec.scene, built.plan.written
-    if scene.caregiver is None:
+    spec = built.plan.spec.scene.caregiver
+    written = built.plan.written
+    if spec is None:
         return built
-    check_offers(scene.caregiver, built.toys, built.things, lambda: written)
+    check_offers(spec, built.toys, built.things, lambda: written)
     inside = ""
-    for company in caregivers(scene.caregiver, built.builders, built.parts):
-        world = replace(built.world, persona=company.persona)
-        beside = replace(built, world=world, company=company)
-        if not (inside := company.in_the_way(beside.mjcf, built.parts)):
-            return beside
+    for caregiver in caregivers(spec, built.builders, built.parts):
+        world = replace(built.world, persona=caregiver.persona)
+        with_caregiver = replace(built, world=world, caregiver=caregiver)
+        if not (inside := caregiver.in_the_way(with_caregiver.mjcf, built.parts)):
+            return with_caregiver
     message = f"'{inside}' would be within it, or in its way; give another place or distance_cm, or move the infants"
     raise SpecError([written.problem(("scene", "caregiver"), message)])
 
@@ -301,7 +331,8 @@ def _with_caregiver(built: BuiltWorld) -> BuiltWorld:
 def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
     if not built.things:
         return built
-    model, specs = model_without_pictures(built.mjcf), built.plan.spec.scene.objects
+    model = model_without_pictures(built.mjcf)
+    specs = built.plan.spec.scene.objects
     with errors_in_file(lambda: built.plan.written):
         free = {state.name for state in free_keyframes(model, built.states, START, specs, built.things)}
     parts = {
@@ -314,17 +345,16 @@ def _without_bad_poses(built: BuiltWorld) -> BuiltWorld:
 def _objects(
     plan: WorldPlan,
     objects: Sequence[ObjectSpec],
-    around: BuiltScene,
+    scene: BuiltScene,
     parts: Mapping[str, InfantPart],
     builders: Mapping[str, Builder],
     places: Mapping[str, Placement],
 ) -> tuple[PlacedThing, ...]:
-    scene, folder = plan.spec.scene, plan.written.folder
     starts = {name: part.poses[part.start] for name, part in parts.items()}
     floors = {name: footprint(builders[name].tree, [start.qpos]) for name, start in starts.items()}
     among = {
         name: replace(
-            surroundings(scene, around, builders[name].tree, start, places[name], folder),
+            surroundings(plan.spec.scene, scene, builders[name].tree, start, places[name], plan.written.folder),
             prefix=parts[name].prefix,
             taken=tuple(tuple(disc) for other in floors if other != name for disc in floors[other].tolist()),
         )
@@ -336,7 +366,7 @@ def _objects(
 
 def _toys(
     plan: WorldPlan,
-    around: BuiltScene,
+    scene: BuiltScene,
     parts: Mapping[str, InfantPart],
     builders: Mapping[str, Builder],
     assets: SceneAssets,
@@ -346,16 +376,17 @@ def _toys(
     part = parts[name]
     taken = np.concatenate([*(other.taken for other in parts.values()), discs_of(things)])
     with errors_in_file(lambda: plan.written):
-        return toys_around(plan.spec.scene, around, builders[name].tree, part.poses[part.start], taken, assets.toybox)
+        return toys_around(plan.spec.scene, scene, builders[name].tree, part.poses[part.start], taken, assets.toybox)
 
 
 def _texts(built: BuiltWorld) -> dict[str, bytes]:
-    plan, manifest, manifests = built.plan, built.manifest, built.manifests
-    infants = list(manifests.values())
-    # The file of a world with all that it leaves open, which names the files of the infants in the bundle.
-    data = rounded(built.plan.spec.model_dump(mode="json", exclude_none=True))
+    plan = built.plan
+    manifest = built.manifest
+    manifests = built.manifests
+    # This is the world's file with what it leaves open filled in; it names the files of the infants in the bundle.
+    data = rounded(plan.spec.model_dump(mode="json", exclude_none=True))
     data["infants"] = [
-        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(built.plan, built.builders)
+        {**entry, "spec": file_of(entry["name"], RESOLVED)} for entry in entries_of(plan, built.builders)
     ]
     data["scene"] = {key: value for key, value in data["scene"].items() if key not in ("pose", "held")}
     files = {
@@ -363,50 +394,54 @@ def _texts(built: BuiltWorld) -> dict[str, bytes]:
         RESOLVED: dump(data).encode(),
         PROVENANCE: render_json(packed(dict(_provenance(built))), 2),
         MANIFEST: render_json(manifest.model_dump()),
-        "README.md": printing.render_text("WORLD.md.j2", world=manifest, manifests=infants, version=__version__),
+        "README.md": printing.render_text(
+            "WORLD.md.j2", world=manifest, manifests=list(manifests.values()), version=__version__
+        ),
     }
-    for name, one in built.builders.items():
-        arrays = {ARRAYS: pack_arrays(one.arrays)} if one.arrays else {}
+    for name, infant_builder in built.builders.items():
+        arrays = {ARRAYS: pack_arrays(infant_builder.arrays)} if infant_builder.arrays else {}
         of_infant = {
             **arrays,
             MANIFEST: render_json(manifest_data(manifests[name])),
             SPEC_FILE: as_written(plan.infants[name]).text.encode(),
-            RESOLVED: dump(rounded(to_data(one.spec))).encode(),
+            RESOLVED: dump(rounded(to_data(infant_builder.spec))).encode(),
         }
         files |= {file_of(name, file): content for file, content in of_infant.items()}
     return files
 
 
 def _notes(built: BuiltWorld) -> Iterator[str]:
+    scene = built.plan.spec.scene
     for name, spec in built.plan.infants.items():
-        given, around = spec.scene.model_fields_set - {"pose", "held"}, built.plan.spec.scene
-        if ignored := sorted(key for key in given if getattr(spec.scene, key) != getattr(around, key)):
+        given = spec.scene.model_fields_set - {"pose", "held"}
+        if ignored := sorted(key for key in given if getattr(spec.scene, key) != getattr(scene, key)):
             keys = " and ".join(f"scene.{key}" for key in ignored)
             yield f"'{keys}' of '{name}' has no effect: it is in the scene of this world"
-    adult = built.plan.spec.scene.caregiver
-    voices = [spec.actuation.voice for spec in built.plan.infants.values() if spec.actuation.voice]
-    if adult and adult.answers and adult.answers.to == "vocalisation" and not voices:
+    answers = scene.caregiver and scene.caregiver.answers
+    has_voice = any(spec.actuation.voice for spec in built.plan.infants.values())
+    if answers and answers.to == "vocalisation" and not has_voice:
         yield "'scene.caregiver.answers' has no effect: no infant has a voice, actuation.voice"
     yield from notes_on_shapes(built.toys, built.things)
 
 
 def _provenance(built: BuiltWorld) -> Iterator[tuple[str, Entry]]:
     plan = built.plan
-    of_spec, first = trace_spec(plan.spec, plan.written), next(iter(built.builders))
+    of_spec = trace_spec(plan.spec, plan.written)
+    first = next(iter(built.builders))
     largest = max(built.builders, key=lambda name: length_m(built.builders[name].tree))
-    shared = {**of_spec, **built.origins, **built.around.origins}
+    shared = {**of_spec, **built.origins, **built.scene.origins}
     yield from of_spec.items()
     yield from trace_around(built.origins, shared, first)
-    yield from trace_around(built.around.origins, shared, largest)
-    if built.company:
-        yield from trace_around(built.company.origins, shared, built.company.infant)
-    for name, one in built.builders.items():
+    yield from trace_around(built.scene.origins, shared, largest)
+    if built.caregiver:
+        yield from trace_around(built.caregiver.origins, shared, built.caregiver.infant)
+    for name, infant_builder in built.builders.items():
         part = built.parts[name]
-        placed = replace(one.infant, world=replace(built.world, objects=part.objects))
+        placed = replace(infant_builder.infant, world=replace(built.world, objects=part.objects))
         entries = {
-            **trace_spec(one.spec, as_written(plan.infants[name])),
-            **trace_world(one.spec, PlacedScene(placed, (), part.objects, {})),
-            **one.origins,
+            **trace_spec(infant_builder.spec, as_written(plan.infants[name])),
+            **trace_world(infant_builder.spec, PlacedScene(placed, (), part.objects, {})),
+            **infant_builder.origins,
         }
         yield from trace_infant(name, part.prefix, entries)
 
@@ -419,7 +454,7 @@ def _check(built: BuiltWorld, files: Mapping[str, bytes]) -> None:
         raise ModelError(f"{built.plan.written.file}: MuJoCo rejects the model: {reason}; please report this") from None
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(START).id)
-    roots = [f"{name}_{one.manifest.root_body}" for name, one in built.builders.items()]
+    roots = [f"{name}_{infant_builder.manifest.root_body}" for name, infant_builder in built.builders.items()]
     depths = overlaps(model, data, roots)
     names = list(built.builders)
     if problems := [

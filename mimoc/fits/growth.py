@@ -83,7 +83,8 @@ def _fit(name: str, means: tuple[GroupMean, ...], tables: GrowthTables, placemen
     points = tuple(DataPoint(group_age(mean, placement), mean.mean_cm, f"anthrokids.csv:{mean.line}") for mean in means)
     weights = [OTHER_SURVEY_WEIGHT if mean.first_month >= LAST_MONTH else 1.0 for mean in means]
     if placement == "middle":
-        points, weights = (_birth_point(name, means[0], tables), *points), [1.0, *weights]
+        points = (_birth_point(name, means[0], tables), *points)
+        weights = [1.0, *weights]
     ages_months, values_cm = [p.age_months for p in points], [p.value_cm for p in points]
     if law == "paper":
         return fit_log_curve(ages_months, values_cm), points

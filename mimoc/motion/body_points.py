@@ -10,10 +10,12 @@ from mimoc.motion.labels import MINI_RGBD_POINTS, SIDES
 from mimoc.motion.point_recording import MINI_RGBD_CAMERA, Camera, FloatArray, PointRecording
 
 HEAD_POINT = 0.54
-"""Height of the point `head` above the skull's centre, in its half height (from the fits of a prototype; D)."""
+"""Height of the point `head` above the skull's centre, in half heights of the skull (from fits of a prototype; D)."""
 _BODIES = {"hand": ("fingers", "mfknuckle"), "foot": ("toes",)}
-"""Bodies at whose origins points are that BODY_25 does not have: of mittens, then of five fingers."""
+"""Bodies whose origins are the points that BODY_25 lacks; the first that the infant has counts. The hands of an infant
+have `fingers` if they are mittens, or else `mfknuckle`."""
 _MIDDLE = {"nose": "Nose", "neck": "Neck", "mid_hip": "MidHip"}
+"""Names of points without a side in BODY_25."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,8 @@ def film(
 
 def locate(model: mujoco.MjModel, qpos: FloatArray, names: Sequence[str], prefix: str = "") -> FloatArray:
     """Return where points are in the world at each configuration, shape (t, k, 3); NaN for parts it does not have."""
-    points, data = body_points(model, names, prefix), mujoco.MjData(model)
+    points = body_points(model, names, prefix)
+    data = mujoco.MjData(model)
     known = [index for index, point in enumerate(points) if point]
     bodies = [point.body for point in points if point]
     offsets_m = np.array([point.offset_m for point in points if point])
@@ -68,8 +71,8 @@ def locate(model: mujoco.MjModel, qpos: FloatArray, names: Sequence[str], prefix
     for places, configuration in zip(places_m, qpos, strict=True):
         data.qpos[:] = configuration
         mujoco.mj_kinematics(model, data)
-        turned = np.einsum("kij,kj->ki", data.xmat[bodies].reshape(-1, 3, 3), offsets_m)
-        places[known] = data.xpos[bodies] + turned
+        world_offsets_m = np.einsum("kij,kj->ki", data.xmat[bodies].reshape(-1, 3, 3), offsets_m)
+        places[known] = data.xpos[bodies] + world_offsets_m
     return places_m
 
 
@@ -79,12 +82,12 @@ def _point(model: mujoco.MjModel, name: str, prefix: str) -> BodyPoint | None:
         skull = _find(model, mujoco.mjtObj.mjOBJ_GEOM, f"{prefix}head")
         if skull < 0:
             return None
-        centre_m, up_m = model.geom_pos[skull], np.array([0.0, 0.0, model.geom_size[skull].max()])
-        return BodyPoint(int(model.geom_bodyid[skull]), centre_m + HEAD_POINT * up_m)
+        half_height_m = np.array([0.0, 0.0, model.geom_size[skull].max()])
+        return BodyPoint(int(model.geom_bodyid[skull]), model.geom_pos[skull] + HEAD_POINT * half_height_m)
     if side in SIDES and part in _BODIES:
         bodies = (_find(model, mujoco.mjtObj.mjOBJ_BODY, f"{prefix}{side}_{body}") for body in _BODIES[part])
         return next((BodyPoint(body, np.zeros(3)) for body in bodies if body >= 0), None)
-    label = _MIDDLE.get(name) or side[:1].upper() + part.title().replace("_", "")
+    label = _MIDDLE.get(name) or side[:1].upper() + part.title().replace("_", "")  # `left_big_toe` is `LBigToe`.
     site = _find(model, mujoco.mjtObj.mjOBJ_SITE, f"{prefix}BODY_25:{label}")
     return BodyPoint(int(model.site_bodyid[site]), model.site_pos[site].copy()) if site >= 0 else None
 

@@ -128,7 +128,7 @@ _MIN_LYING = 0.7
 _SHOWN_GAP = 0.01  # Share of frames in which a point is missing that is worth a note.
 _PERCENTILE = 95
 _FARTHER_MOVES_MORE = ("shoulder", "elbow"), ("elbow", "wrist"), ("elbow", "hand"), ("hip", "knee")
-"""Of twelve infants (MINI-RGBD), the second moved at least 1.19 times as far as the first."""
+"""Pairs of points: in twelve infants (MINI-RGBD), the second moved at least 1.19 times as far as the first."""
 _LESS = 0.75
 _STRIDE_S = 0.1
 APART: dict[tuple[str, str], tuple[float, float]] = {

@@ -23,12 +23,12 @@ from mimoc.bundle.regular_files import (
     regular_files,
 )
 
-MAX_FRAMES = 2**18  # Of a recording: 2.4 hours at 30 frames a second.
+MAX_FRAMES = 2**18  # Most frames of a recording: 2.4 hours at 30 frames a second.
 MAX_FRAME_BYTES = 2**20
 MAX_FILE_BYTES = 2**27
 _MAX_BYTES = 2**29
 _FIRST_BYTES = 2**16
-_MAX_DIGITS = 19  # Of the number of a frame: nanoseconds since 1970.
+_MAX_DIGITS = 19  # Most digits of the number of a frame: those of nanoseconds since 1970.
 _MIN_STAMP, _STAMP_JITTER, _MAX_STAMPS = 5, 0.25, 0.7
 """Time stamps rise by this much a frame or more; most of their steps, by this share, are as long as the median."""
 _NUMBER = re.compile("[0-9]+")

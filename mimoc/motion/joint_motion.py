@@ -23,12 +23,12 @@ from mimoc.schema.base import Model
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 MOTION = "motion.npz"  # Name of the file in the folder of a retargeted recording.
-MAX_BYTES = 2**28  # Of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB.
+MAX_BYTES = 2**28  # Largest size of such a file, unpacked: an hour of 60 joints at 120 Hz has 207 MB.
 FREE, HINGE = 7, 1  # Numbers of a configuration that a free joint and a hinge have.
 FREE_SPEEDS = 6
 TURN = slice(3, 7)  # Where the quaternion of a free joint is among its numbers: w, x, y, z.
 FIXED_ORDER = [1, 2, 3, 0]  # From MuJoCo's order of a quaternion to SciPy's.
-MAX_S = 7200.0  # Of a motion: its states at all control steps are kept.
+MAX_S = 7200.0  # Longest motion: its states at all control steps are kept.
 MAX_M_OR_RAD = 1e4
 UNIT = 0.01  # How far the length of a quaternion may be from 1.
 _ADVICE = "write it again with 'mimoc retarget'"
@@ -80,7 +80,9 @@ class JointMotion:
 
     @cached_property
     def _splines(self) -> list[Any]:
-        times_s, splines, first = np.arange(len(self.qpos)) / self.rate_hz, list[Any](), 0
+        times_s = np.arange(len(self.qpos)) / self.rate_hz
+        splines = list[Any]()
+        first = 0
         for joint in self.joints:
             if joint in self.free:
                 turns = Rotation.from_quat(self.qpos[:, first : first + FREE][:, TURN][:, FIXED_ORDER])
@@ -107,8 +109,10 @@ class JointMotion:
 
         The first joint, which must be free, begins above the same point and faces the same way about the vertical.
         """
-        from_rad, to_rad = _heading_rad(self.qpos[0, TURN]), _heading_rad(start[TURN])
-        turn, qpos = Rotation.from_rotvec([0.0, 0.0, to_rad - from_rad]), self.qpos.copy()
+        from_rad = _heading_rad(self.qpos[0, TURN])
+        to_rad = _heading_rad(start[TURN])
+        turn = Rotation.from_rotvec([0.0, 0.0, to_rad - from_rad])
+        qpos = self.qpos.copy()
         ways_m = (self.qpos[:, :3] - self.qpos[0, :3]) * [1.0, 1.0, 0.0]
         qpos[:, :2] = start[:2] + turn.apply(ways_m)[:, :2]
         turned = turn * Rotation.from_quat(self.qpos[:, TURN][:, FIXED_ORDER])

@@ -153,7 +153,8 @@ def _with_neck(recording: PointRecording) -> PointRecording:
     made = _gathered(recording, ordered, ["the neck is taken to be a little above the middle of the shoulders"])
     if not {*_HIPS} <= {*made.names}:
         return made
-    neck, hips = made.names.index("neck"), [made.names.index(name) for name in _HIPS]
+    neck = made.names.index("neck")
+    hips = [made.names.index(name) for name in _HIPS]
     positions, confidence = made.positions.copy(), made.confidence.copy()
     positions[:, neck] += NECK_ABOVE * (positions[:, neck] - positions[:, hips].mean(axis=1))
     confidence[:, neck] = confidence[:, [neck, *hips]].min(axis=1)

@@ -21,9 +21,9 @@ from mimoc.motion.timing import LENGTHS, metres_in
 
 _BLOCK = 512
 _KEY = 0x50  # Second byte of the file, and of its parameters.
-_BYTE_ORDERS = {84: "<", 86: ">"}  # Of Intel and of MIPS, by the number of a processor.
+_BYTE_ORDERS = {84: "<", 86: ">"}  # Byte orders of Intel and of MIPS, by the number of a processor.
 _DEC = 85
-_USUAL_UNIT = "mm"  # Of files that name none.
+_USUAL_UNIT = "mm"  # Unit of files that name none.
 _DAMAGED = "is damaged, or no C3D file; export it again"
 _KINDS = {-1: "S1", 1: "i1", 2: "i2", 4: "f4"}
 _MAX_MARKERS = 2000
@@ -37,7 +37,7 @@ class _Layout:
     frames: int
     analog: int  # Numbers in each frame after those of the markers.
     start: int  # First byte of the first frame.
-    scale: float  # Of integers; negative where the numbers are floats.
+    scale: float  # Scale of integers; negative where the numbers are floats.
     rate_hz: float
 
 

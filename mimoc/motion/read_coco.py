@@ -42,10 +42,10 @@ _MAX_LISTED = 5
 class KeypointNames:
     """The labels of the points of persons."""
 
-    labels: tuple[str, ...] = ()  # Of all persons, in one order; empty if the file has none.
+    labels: tuple[str, ...] = ()  # Labels of the points of all persons, in one order; empty if the file has none.
     columns: Mapping[str, Sequence[int]] = field(default_factory=dict)
-    """Of each category whose persons may be the infant, by its ID: where its points are among the labels. Empty if
-    the points of all persons are the labels."""
+    """Places among the labels of the points of each category whose persons may be the infant, by its ID. Empty if the
+    points of all persons are the labels."""
     notes: tuple[str, ...] = ()
     is_asked_for: bool = False  # Whether a user has called the infant by its category.
 

@@ -24,7 +24,7 @@ JOINTS = (
     *("rightUpperArm", "leftForeArm", "rightForeArm", "leftHand", "rightHand", "leftFingers", "rightFingers"),
     "noseVertex",
 )
-"""Of the body model SMIL; the number of a joint in the files is its index."""
+"""Joints of the body model SMIL; the number of a joint in the files is its index."""
 POINTS = {
     "head": "head",
     "neck": "neck",
@@ -87,7 +87,8 @@ def _in_pixels(name: str, numbers: FloatArray, notes: Sequence[str]) -> PointRec
     known = depth_m[np.isfinite(depth_m)]
     has_depth = bool(known.size and known.any())
     if has_depth and np.median(known) > _MAX_METRES:
-        depth_m, notes = depth_m / 1000, [*notes, "depths are taken for millimetres"]
+        depth_m = depth_m / 1000
+        notes = [*notes, "depths are taken for millimetres"]
     confidence = np.isfinite(numbers[..., 0]).astype(np.float64)
     return PointRecording(
         name,

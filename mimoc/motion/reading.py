@@ -20,7 +20,7 @@ from mimoc.motion.sides import turned
 from mimoc.schema.kinds import FORMATS, MotionFormat
 from mimoc.schema.plugins import load_plugins
 
-MAX_PIXELS = 100_000  # Of the width or height of a picture.
+MAX_PIXELS = 100_000  # Largest width or height of a picture.
 
 
 @takes("the path of a recording of points", *PATH)
@@ -79,30 +79,33 @@ def read_points(
     if picture_px is not None and not (len(picture_px) == 2 and all(1 <= size <= MAX_PIXELS for size in picture_px)):
         raise RecordingError(f"{place}: the size of the picture is {picture_px}; give width and height in pixels")
     options = ReadOptions(rate_hz, camera, infant, names or {}, view, min_score, picture_px, up)
-    return _read_in_words(place, format, options)
+    return _read_or_explain(place, format, options)
 
 
 def read_again(path: Path) -> PointRecording:
     """Read points that mimoc has written, without asking how the infant lies, or raise a RecordingError."""
-    return _read_in_words(path, "npz", ReadOptions(view=None, up="z"))
+    return _read_or_explain(path, "npz", ReadOptions(view=None, up="z"))
 
 
-def _read_in_words(place: Path, format: str | None, options: ReadOptions) -> PointRecording:
-    """Return a recording, or raise a RecordingError that says in one line why there is none."""
+def _read_or_explain(place: Path, format: str | None, options: ReadOptions) -> PointRecording:
+    """Return a recording, or raise a RecordingError that says in one line why it cannot be read."""
     try:
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Of numbers that are then refused.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # Such numbers are refused below.
             kind = FORMATS.find(format) if format else None
             if not place.exists():
                 raise UnusableFileError("there is no such file or folder; check the path")
             if options.rate_hz is not None:
                 check_rate(options.rate_hz)
-            read = function_of((kind or _recognised(place)).read, "read")
-            known = drop_unsure(
-                check_numbers(read(place.resolve() if place.is_dir() else place, options)), options.least_score(0.0)
-            )
-            named = name_points(turned(in_pixels(known, options.picture_px), options.up), options.names)
-            camera = None if named.unit == "m" else options.camera or named.camera
-            return check_points(replace(check_timing(named, options.rate_hz), camera=camera), options.view, options.up)
+            kind = kind or _recognised(place)
+            read = function_of(kind.read, "read")
+            recording = check_numbers(read(place.resolve() if place.is_dir() else place, options))
+            recording = drop_unsure(recording, options.least_score(0.0))
+            recording = in_pixels(recording, options.picture_px)
+            recording = turned(recording, options.up)
+            recording = name_points(recording, options.names)
+            camera = None if recording.unit == "m" else options.camera or recording.camera
+            recording = replace(check_timing(recording, options.rate_hz), camera=camera)
+            return check_points(recording, options.view, options.up)
     except UnusableFileError as error:
         raise RecordingError(one_line(f"{place}: {error}")) from None
     except OSError as error:
@@ -146,16 +149,20 @@ def write_points(recording: PointRecording, path: str | Path) -> Path:
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise OutputError(f"{path}: not a name for points; end it in {' or '.join(SUFFIXES)}")
-    content = pack(recording) if path.suffix.lower() == ".npz" else "\n".join([*_lines(recording), ""]).encode()
-    return write_file(path, content)
+    if path.suffix.lower() == ".npz":
+        return write_file(path, pack(recording))
+    return write_file(path, "\n".join([*_lines(recording), ""]).encode())
 
 
 def _lines(recording: PointRecording) -> Iterator[str]:
-    depth = () if recording.depth_m is None else (recording.depth_m[..., None],)
-    axes = ("x_m", "y_m", "z_m") if recording.unit == "m" else ("x", "y")
-    ends = (*axes, "confidence", *(("depth_m",) if depth else ()))
-    yield ",".join(["frame", "time_s", *(f"{name}_{end}" for name in recording.names for end in ends)])
-    values = np.concatenate([recording.positions, recording.confidence[..., None], *depth], axis=-1)
+    columns = ["x_m", "y_m", "z_m"] if recording.unit == "m" else ["x", "y"]  # Columns of each point.
+    columns.append("confidence")
+    parts = [recording.positions, recording.confidence[..., None]]
+    if recording.depth_m is not None:
+        columns.append("depth_m")
+        parts.append(recording.depth_m[..., None])
+    yield ",".join(["frame", "time_s", *(f"{name}_{column}" for name in recording.names for column in columns)])
+    values = np.concatenate(parts, axis=-1)
     for frame, row in enumerate(values.reshape(recording.frames, -1).tolist()):
         numbers = ["" if math.isnan(number) else repr(number) for number in row]
         yield ",".join([str(frame), repr(frame / recording.rate_hz), *numbers])

@@ -13,12 +13,12 @@ _LIMBS: Mapping[str, Sequence[str]] = {
     "arms": ("shoulder", "elbow", "wrist", "hand"),
     "legs": ("hip", "knee", "ankle", "foot", "heel", "big_toe", "small_toe"),
 }
-"""What estimators exchange as one."""
+"""Points that estimators exchange as one."""
 _JUMP = 0.25
 """Least mean distance, in trunks, that the points of both limbs jump from a frame to the next if they are exchanged:
 hips alone, which are closest together, are .21 to .29 apart. Limbs that move need several frames for it."""
 _RATIO = 1 / 3  # How much shorter the way must be if left and right are exchanged back.
-_MIN_ACROSS = 0.1  # Of the trunk's length squared: less of the front is seen of an infant that lies on its side.
+_MIN_ACROSS = 0.1  # Least area of the front, in squares of the trunk's length; less is seen of an infant on its side.
 _TURNS: Mapping[str, npt.NDArray[np.int_]] = {
     "x": np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]]),
     "-x": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
@@ -90,7 +90,8 @@ def share_from_behind(recording: PointRecording) -> float:
 
     From the front, with y downwards, the infant's left is at the right of a line from the hips to the neck.
     """
-    across, along = _across(recording), recording.path("neck") - recording.hips
+    across = _across(recording)
+    along = recording.path("neck") - recording.hips
     area = (across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]) / recording.trunk**2
     clear = np.abs(area) > _MIN_ACROSS
     return float((area[clear] > 0).mean()) if clear.any() else np.nan
@@ -118,7 +119,8 @@ def share_of_knees_backwards(recording: PointRecording) -> float:
         end = next((name for name in (f"{side}_ankle", f"{side}_foot") if name in places.names), "")
         if end and f"{side}_knee" in places.names:
             knee = places.path(f"{side}_knee")
-            thigh, shank = _unit(knee - places.path(f"{side}_hip")), _unit(places.path(end) - knee)
+            thigh = _unit(knee - places.path(f"{side}_hip"))
+            shank = _unit(places.path(end) - knee)
             bends.append((np.cross(thigh, shank) * left).sum(axis=1))
     bent = np.concatenate(bends) if bends else np.empty(0)
     bent = bent[np.abs(bent) > _MIN_BEND]
@@ -177,6 +179,7 @@ def _across(recording: PointRecording) -> FloatArray:
 def _in_space(recording: PointRecording) -> PointRecording:
     if recording.depth_m is None:
         return recording
-    camera, depth_m = recording.camera or MINI_RGBD_CAMERA, recording.depth_m[..., None]
+    camera = recording.camera or MINI_RGBD_CAMERA
+    depth_m = recording.depth_m[..., None]
     flat = (recording.positions - np.asarray(camera.centre_px)) / np.asarray(camera.focal_px) * depth_m
     return replace(recording, positions=np.concatenate([flat, depth_m], axis=-1), depth_m=None)

@@ -55,14 +55,14 @@ IntArray = npt.NDArray[np.intp]
 FRAMES = "frame", "frames", "frame_number", "frame_id", "frame_index", "frame_idx", "frame_no", "frame_num"
 _TIMES = "time", "times", "timestamp", "timestamps", "t"
 _LIKELY_UNITS = "seconds", "milliseconds", "microseconds", "nanoseconds"
-"""Of times without a unit: the first with which the rate is one of cameras."""
+"""Units of times without one: the first with which the rate is one of cameras is taken."""
 _RATES_HZ = 1.0, 1000.0
 _MAX_FRAME_NUMBER = 2**53
 _RATE_DIGITS = 9  # Digits of a frame rate that times of some digits can tell, after the point.
 _JITTER = 0.1  # Range of the differences from even times, in frames, that is no more than jitter.
 _ROUNDED = 1.5  # The same in units of the last digit of times, if these are a frame or less.
-_WHOLE = 0.01  # Of a digit: what times are apart from whole numbers of it by the precision of floats.
-_NEAR = 0.05  # Of a frame: a row that is so near is taken for it.
+_WHOLE = 0.01  # Share of a digit by which times may miss whole numbers of it, due to the precision of floats.
+_NEAR = 0.05  # Share of a frame within which a row is taken for that frame.
 _MAX_STEP = 1.75  # Frames between two rows; more is a gap.
 _MAX_TWICE = 0.1  # Share of rows that may have the time of the row before.
 _WHOLE_RATE = 0.02
@@ -126,7 +126,8 @@ def on_frames(values: FloatArray, places: FloatArray, *, least: bool = False) ->
         least: Take the lower of two values, and not what is between them.
     """
     before, share, is_gap = _between(places)
-    earlier, later = values[before], values[np.minimum(before + 1, len(places) - 1)]
+    earlier = values[before]
+    later = values[np.minimum(before + 1, len(places) - 1)]
     shares = share.reshape(-1, *[1] * (values.ndim - 1))
     between = np.minimum(earlier, later) if least else (1 - shares) * earlier + shares * later
     made = np.where(shares == 0, earlier, between)

@@ -68,7 +68,9 @@ class Film:
         """Keep where the infant is now; it may have grown since the last step, but not started a new episode."""
         if env.model is not self._model:
             self._locate()
-            self._model, self._child, self._prefix = env.model, env.manifest.child, env.manifest.prefix
+            self._model = env.model
+            self._child = env.manifest.child
+            self._prefix = env.manifest.prefix
         self.times_s.append(float(env.data.time))
         self._block.append(env.data.qpos.copy())
 
@@ -143,7 +145,8 @@ def film_policy(
     """
     source: Any = infant
     with closing(shared_world(source) if is_world_source(source) else open_infant(source)) as env:
-        infants, step_s = infants_of("film_policy", env), ms_to_s(env.bundle.manifest.step_ms)
+        infants = infants_of("film_policy", env)
+        step_s = ms_to_s(env.bundle.manifest.step_ms)
         steps = round((seconds + SETTLING_S) / step_s)
         label = policy if isinstance(policy, str) else env.bundle.manifest.name
         for number, seed in enumerate(seeds):
@@ -164,14 +167,17 @@ def film_recording(folder: Path, progress: Progress = no_progress, name: str = "
 
     Raises a RecordingError if it is not whole, a MovementError if an episode is too short or does not come out again.
     """
-    film, recording, called = Film(), read_recording(folder), name or folder.name
+    film = Film()
+    recording = read_recording(folder)
+    called = name or folder.name
     steps = [sum(episode.steps for episode in recording.of_infant(number)) for number in range(recording.infants)]
 
     def watch(infant: Infant, _observation: object) -> None:
         film.watch(infant)
 
     for number, infant in enumerate(recording.description.infants):
-        done, who = sum(steps[:number]), f"infant {number}" if infant.world is None else infant.name
+        done = sum(steps[:number])
+        who = f"infant {number}" if infant.world is None else infant.name
         show = lambda steps_done, _, before=done: progress(before + steps_done, sum(steps))  # noqa: E731
         chosen = {"infant": number, "watch": watch, "progress": show}
         for replayed in replay_recording(recording, **chosen) if recording.of_infant(number) else ():

@@ -140,7 +140,8 @@ def _of_movements(
     lengths_s, peaks_m_s2 = [], []
     for side in sides:
         ankle = places_m.get(f"{side}_ankle", places_m[f"{side}_foot"])
-        speed, acceleration = np.linalg.norm(np.gradient(ankle, axis=0), axis=1), _acceleration(ankle, rate_hz)
+        speed = np.linalg.norm(np.gradient(ankle, axis=0), axis=1)
+        acceleration = _acceleration(ankle, rate_hz)
         for start, _, stop in unit_spans(speed * rate_hz / trunk_m):
             lengths_s.append((stop - start) / rate_hz)
             peaks_m_s2.append(float(acceleration[start : stop + 1].max()))

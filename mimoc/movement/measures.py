@@ -17,8 +17,23 @@ from mimoc.motion.point_recording import CUTOFF_HZ, FloatArray, PointRecording
 
 IntArray = npt.NDArray[np.integer]
 
+MIN_RATE_HZ = 2.5 * CUTOFF_HZ  # Slower recordings do not contain what the filter lets pass.
+MIN_S = 2.0  # Shorter recordings have too few movements to measure.
 MOVING_TRUNK_S = 0.25  # A limb that is faster moves.
+KICK_TRUNK = 0.25  # Least extension of a leg that counts as a kick.
+STILL = 1e-9  # What varies less is constant but for rounding.
+SPECTRUM_S = 256 / 30  # Length of the windows of a spectrum.
+ENTROPY_HZ = 10.0  # Rate at which the speed is sampled for its entropy.
+
 TRUNK_POINTS = "neck", "left_hip", "right_hip"
+LIMB_POINTS = "hand", "elbow", "foot", "knee"
+STAND_INS: Mapping[str, tuple[str, ...]] = {"hand": ("wrist",), "foot": ("big_toe", "ankle")}
+"""What is measured where a pose estimator does not know a hand or a foot, the best first. Wrists and ankles move less:
+speeds come out lower."""
+_NEEDED = ("neck", *(f"{side}_{part}" for side in SIDES for part in ("elbow", "hand", "hip", "knee", "foot")))
+"""Points that every measure can rely on."""
+_WANTED = {*_NEEDED, "left_shoulder", "right_shoulder", "head", "nose"}
+"""Points that are kept of a recording."""
 
 
 def movement_units(speed: FloatArray) -> IntArray:
@@ -43,15 +58,21 @@ def unit_spans(speed: FloatArray) -> list[tuple[int, int, int]]:
     Units that the ends of the recording cut off are left out.
     """
     minima = find_peaks(-speed)[0]
-    afters = [(int(peak), int(np.searchsorted(minima, peak))) for peak in movement_units(speed)]
-    return [(int(minima[at - 1]), peak, int(minima[at])) for peak, at in afters if 0 < at < len(minima)]
+    spans = []
+    for peak in movement_units(speed).tolist():
+        after = int(np.searchsorted(minima, peak))  # Index of the first minimum after the unit.
+        if 0 < after < len(minima):
+            spans.append((int(minima[after - 1]), peak, int(minima[after])))
+    return spans
 
 
 def _recorded_units(part: str, columns: Mapping[str, Any]) -> int | None:
-    """Return how many movement units a part has in the movement columns of an episode; None if it is not there.
+    """Return how many movement units a part has in the movement columns of an episode.
 
-    Its centre of mass in the frame of the trunk in space: with h the middle of the hips, n the neck, l and r the hips
-    and T the median of |n - h|, the axes are u along n - h, w along l - r without its share along u, and u x w.
+    None if positions are not finite, or there are fewer than two. The path is that of the part's centre of mass in the
+    frame of the trunk in space: with h the middle of the hips, n the neck, l and r the hips and T the median of
+    |n - h|, which is the unit of length, the axes are u along n - h, w along l - r without its share along u, and
+    u x w.
     """
     names = (*TRUNK_POINTS, part)
     places_m = np.stack([[np.asarray(columns[f"{name}_{axis}_m"], float) for axis in "xyz"] for name in names])
@@ -60,32 +81,24 @@ def _recorded_units(part: str, columns: Mapping[str, Any]) -> int | None:
     rate_hz = 1 / float(np.median(np.diff(np.asarray(columns["time_s"], float))))
     confidence = np.ones((places_m.shape[-1], len(names)))
     whole = PointRecording("episode", rate_hz, names, places_m.transpose(2, 0, 1), confidence).smoothed()
-    neck, left, right, at = np.moveaxis(whole.positions, 1, 0)
-    middle = (left + right) / 2
-    trunk = neck - middle
+    neck, left_hip, right_hip, centre = np.moveaxis(whole.positions, 1, 0)
+    mid_hip = (left_hip + right_hip) / 2
+    trunk = neck - mid_hip
     lengths = np.linalg.norm(trunk, axis=1, keepdims=True)
     along = trunk / lengths
-    across = (left - right) - ((left - right) * along).sum(1, keepdims=True) * along
+    between_hips = left_hip - right_hip
+    across = between_hips - (between_hips * along).sum(1, keepdims=True) * along
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     axes = along, across, np.cross(along, across)
-    path = np.stack([((at - middle) * axis).sum(axis=1) for axis in axes], axis=-1) / np.median(lengths)
-    return len(movement_units(np.linalg.norm(np.gradient(path, axis=0) * rate_hz, axis=1)))
+    path = np.stack([((centre - mid_hip) * axis).sum(axis=1) for axis in axes], axis=-1) / np.median(lengths)
+    speed = np.linalg.norm(np.gradient(path, axis=0) * rate_hz, axis=1)
+    return len(movement_units(speed))
 
 
 right_hand_movement_units = partial(_recorded_units, "right_hand")
 left_hand_movement_units = partial(_recorded_units, "left_hand")
 right_foot_movement_units = partial(_recorded_units, "right_foot")
 left_foot_movement_units = partial(_recorded_units, "left_foot")
-
-
-MIN_RATE_HZ = 2.5 * CUTOFF_HZ  # Slower recordings do not contain what the filter lets pass.
-MIN_S = 2.0  # Shorter recordings have too few movements to measure.
-STAND_INS: Mapping[str, tuple[str, ...]] = {"hand": ("wrist",), "foot": ("big_toe", "ankle")}
-"""What is measured where a pose estimator does not know a hand or a foot, the best first. Wrists and ankles move less:
-speeds come out lower."""
-_NEEDED = ("neck", *(f"{side}_{part}" for side in SIDES for part in ("elbow", "hand", "hip", "knee", "foot")))
-"""Points that every measure can rely on."""
-_WANTED = {*_NEEDED, "left_shoulder", "right_shoulder", "head", "nose"}
 
 
 @dataclass(frozen=True)
@@ -124,11 +137,11 @@ def trunk_paths(recording: PointRecording) -> TrunkPaths:
         MovementError: If points are missing or never seen, or it is too slow or too short for measures of movement.
     """
     if recording.rate_hz < MIN_RATE_HZ:
-        slow = f"{recording.rate_hz:g} frames/s are too few to measure movement"
-        raise MovementError(f"{recording.name}: {slow}; record at least {MIN_RATE_HZ:g}")
+        problem = f"{recording.rate_hz:g} frames/s are too few to measure movement"
+        raise MovementError(f"{recording.name}: {problem}; record at least {MIN_RATE_HZ:g}")
     if recording.frames < MIN_S * recording.rate_hz:
-        short = f"{recording.frames} frames are too few to measure movement"
-        raise MovementError(f"{recording.name}: {short}; record at least {MIN_S:g} s")
+        problem = f"{recording.frames} frames are too few to measure movement"
+        raise MovementError(f"{recording.name}: {problem}; record at least {MIN_S:g} s")
     smooth = _with_stand_ins(recording).smoothed()
     flat = np.array(smooth.positions[..., :2])
     hips = (flat[:, smooth.names.index("left_hip")] + flat[:, smooth.names.index("right_hip")]) / 2
@@ -158,7 +171,7 @@ def stand_ins(names: Sequence[str]) -> dict[str, str]:
 
 
 def _with_stand_ins(recording: PointRecording) -> PointRecording:
-    """Return a recording of what is measured, with hands and feet named so, whatever stands in for them."""
+    """Return a recording of the points that are kept, in which stand-ins have the names of what they stand in for."""
     renamed = {present: absent for absent, present in stand_ins(recording.names).items()}
     kept = recording.select([name for name in recording.names if renamed.get(name, name) in _WANTED])
     names = tuple(renamed.get(name, name) for name in kept.names)
@@ -170,17 +183,10 @@ def _with_stand_ins(recording: PointRecording) -> PointRecording:
     if unseen:
         raise MovementError(f"{recording.name}: {', '.join(unseen)} never seen; measures of movement need all of them")
     used = [index for index, name in enumerate(names) if seen[index]]
-    positions, confidence = kept.positions[:, used], kept.confidence[:, used]
+    used_names = tuple(names[index] for index in used)
     return PointRecording(
-        recording.name, recording.rate_hz, tuple(names[index] for index in used), positions, confidence
+        recording.name, recording.rate_hz, used_names, kept.positions[:, used], kept.confidence[:, used]
     )
-
-
-KICK_TRUNK = 0.25  # Least extension of a leg that counts as a kick.
-STILL = 1e-9  # What varies less is constant but for rounding.
-SPECTRUM_S = 256 / 30  # Length of the windows of a spectrum.
-ENTROPY_HZ = 10.0  # Rate at which entropy looks at speed.
-LIMB_POINTS = "hand", "elbow", "foot", "knee"
 
 
 def core_measures(recording: PointRecording) -> dict[str, float]:
@@ -190,12 +196,16 @@ def core_measures(recording: PointRecording) -> dict[str, float]:
 
 def core_of(body: TrunkPaths) -> dict[str, float]:
     """Return the 21 measures of paths in the frame of the trunk."""
-    values = [value for part in ("hand", "foot") for value in _of_ends(body, part)]
     kicks = [len(find_peaks(length, prominence=KICK_TRUNK)[0]) for length in leg_lengths(body)]
-    values.append(float(np.mean(kicks)) / body.minutes)
     sides = zip(body.both("hand"), body.both("foot"), strict=True)
-    values += [float(np.mean([correlation(hand, foot) for hand, foot in sides])), _dimensions(body)]
-    return dict(zip((quantity.name for quantity in CORE), values, strict=True))
+    values = {
+        **_of_ends(body, "hand", "hands"),
+        **_of_ends(body, "foot", "feet"),
+        "kicks_per_min": float(np.mean(kicks)) / body.minutes,
+        "hand_foot_together_r": float(np.mean([correlation(hand, foot) for hand, foot in sides])),
+        "dimensions": _dimensions(body),
+    }
+    return {quantity.name: values[quantity.name] for quantity in CORE}
 
 
 def leg_lengths(body: TrunkPaths) -> list[FloatArray]:
@@ -231,21 +241,25 @@ def correlation(first: FloatArray, second: FloatArray) -> float:
     return float(np.corrcoef(first, second)[0, 1])
 
 
-def _of_ends(body: TrunkPaths, part: str) -> list[float]:
-    both, paths = body.both(part), body.sides(part)
+def _of_ends(body: TrunkPaths, part: str, parts: str) -> dict[str, float]:
+    """Return the measures of a part on both sides by name; *parts* is its plural."""
+    speeds = body.both(part)
     every = max(1, round(body.rate_hz / ENTROPY_HZ))
-    peaks = [len(movement_units(speed)) for speed in both]
-    return [
-        float(np.median(both)),
-        float(np.percentile(both, 95)),
-        float((both > MOVING_TRUNK_S).mean()),
-        float(np.mean([np.sqrt(path.var(axis=0).sum()) for path in paths])),
-        float(np.mean([sample_entropy(one[::every]) for one in both])),
-        float(np.mean([float(kurtosis(one)) if one.std() >= STILL else 0.0 for one in both])),
-        _median_frequency(body, part),
-        correlation(both[0], both[1]),
-        float(np.mean(peaks)) / body.minutes,
-    ]
+    spreads = [np.sqrt(path.var(axis=0).sum()) for path in body.sides(part)]
+    entropies = [sample_entropy(speed[::every]) for speed in speeds]
+    kurtoses = [float(kurtosis(speed)) if speed.std() >= STILL else 0.0 for speed in speeds]
+    units = [len(movement_units(speed)) for speed in speeds]
+    return {
+        f"{part}_speed_median_trunk_s": float(np.median(speeds)),
+        f"{part}_speed_p95_trunk_s": float(np.percentile(speeds, 95)),
+        f"{part}_moving_share": float((speeds > MOVING_TRUNK_S).mean()),
+        f"{part}_spread_trunk": float(np.mean(spreads)),
+        f"{part}_sample_entropy_nats": float(np.mean(entropies)),
+        f"{part}_burstiness": float(np.mean(kurtoses)),
+        f"{part}_frequency_hz": _median_frequency(body, part),
+        f"{parts}_together_r": correlation(speeds[0], speeds[1]),
+        f"{part}_units_per_min": float(np.mean(units)) / body.minutes,
+    }
 
 
 def _median_frequency(body: TrunkPaths, part: str) -> float:
@@ -285,12 +299,14 @@ def kicks_of(length: FloatArray, rate_hz: float) -> list[Kick]:
         ____start/         \stop____
     """
     peaks, properties = find_peaks(length, prominence=KICK_TRUNK)
-    minima, rates = find_peaks(-length)[0], np.gradient(length) * rate_hz
+    minima = find_peaks(-length)[0]
+    rates = np.gradient(length) * rate_hz
     kicks = []
     for peak, amplitude in zip(peaks.tolist(), properties["prominences"].tolist(), strict=True):
         after = int(np.searchsorted(minima, peak))
         start = int(minima[after - 1]) if after else 0
         stop = int(minima[after]) if after < len(minima) else len(length) - 1
-        extension, flexion = rates[start : peak + 1].max(), -rates[peak : stop + 1].min()
+        extension = rates[start : peak + 1].max()
+        flexion = -rates[peak : stop + 1].min()
         kicks.append(Kick(start, peak, stop, amplitude, float(extension), float(flexion)))
     return kicks

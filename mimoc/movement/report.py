@@ -61,10 +61,10 @@ class MovementMeasures:
     sides: Mapping[str, tuple[Mapping[str, float], ...]] = field(default_factory=dict)
     """The measures of each that a side has, by `left` and `right`."""
     windows: "MovementMeasures | None" = None
-    """Of one infant: the measures of the windows that its recording is divided into; None if it is too short."""
-    window_s: float | None = None  # How long each of these is.
+    """Measures of the windows that the recording of one infant is divided into; None if it is too short."""
+    window_s: float | None = None  # Length of each of these windows.
     beside: Mapping[str, "MovementMeasures"] = field(default_factory=dict)
-    """Those of counterparts of an infant, by what they are, such as `healthy`."""
+    """Measures of counterparts of an infant, by what they are, such as `healthy`."""
 
     @property
     def means(self) -> dict[str, float]:

@@ -47,7 +47,8 @@ def _measure(measured: MovementMeasures, quantity: Quantity) -> Plot:
         mean, deviation = (part[quantity.name] for part in (measured.sample.means, measured.sample.deviations))
         low, high = mean - 2 * deviation, mean + 2 * deviation
         narrow = Band(ends, (mean - deviation,) * 2, (mean + deviation,) * 2, "mean ± 1 SD", "window")
-        bands, shown = (Band(ends, (low,) * 2, (high,) * 2, "mean ± 2 SD", "band"), narrow), [*values, low, high]
+        bands = (Band(ends, (low,) * 2, (high,) * 2, "mean ± 2 SD", "band"), narrow)
+        shown = [*values, low, high]
     room = 0.08 * (max(shown) - min(shown) or 1.0)
     dots = Dots([*range(1, len(values) + 1)], values, "measured", "row")
     y_range = (min(shown) - room, max(shown) + room)
@@ -76,7 +77,7 @@ TRUNKS, RAISED = 3.4, 0.2
 SHARP = 2  # Pictures are drawn in so many times their size, and reduced.
 TRAIL_S = 0.7  # Time over which ends of limbs leave a trail.
 COLOURS = {"left": (51, 102, 154), "right": (200, 67, 31), "": (70, 70, 70)}
-"""Of the left and of the right side, which colour-blind readers can distinguish, and of the middle."""
+"""Colours of the left and of the right side, which colour-blind readers can distinguish, and of the middle."""
 TRAIL_COLOUR = (214, 214, 214)
 ENDS = "left_hand", "right_hand", "left_foot", "right_foot"
 MAX_FIGURES = 12
@@ -115,7 +116,8 @@ def animate(
     longest = min(recording.frames / recording.rate_hz for recording in recordings)
     frames = max(1, int(min(seconds or longest, longest) * FRAMES_HZ))
     figures = [_StickFigure(recording, size_px) for recording in recordings]
-    captions, across = tuple(titles) or tuple(recording.name for recording in recordings), columns or len(figures)
+    captions = tuple(titles) or tuple(recording.name for recording in recordings)
+    across = columns or len(figures)
     video = open_video(file, Fraction(FRAMES_HZ))
     try:
         for frame in range(frames):
@@ -153,7 +155,8 @@ class _StickFigure:
         """Return the picture of a moment, shape (size, size, 3)."""
         frame = min(round(time_s * self._rate_hz), len(self._places) - 1)
         canvas = Image.new("RGB", (SHARP * self._size_px, SHARP * self._size_px), "white")
-        pen, width = ImageDraw.Draw(canvas), max(2, self._size_px * SHARP // 75)
+        pen = ImageDraw.Draw(canvas)
+        width = max(2, self._size_px * SHARP // 75)
         start = max(0, frame - round(TRAIL_S * self._rate_hz))
         for end in self._ends:
             trail = self._places[start : frame + 1, end][self._seen[start : frame + 1, end]]

@@ -159,7 +159,9 @@ class GeneralMovements:
         state |= dict.fromkeys(("slow", "fidget", "quadrature", "lasting"), hinges)
         self._starts = Columns(traits | state)
         self.uniforms, self.normals, self.starts = self._uniforms.width, self._normals.width, self._starts.width
-        self._joints, self._limb, self._hinge = joints, put(joints.limbs), put(joints.hinges)
+        self._joints = joints
+        self._limb = put(joints.limbs)
+        self._hinge = put(joints.hinges)
         self._other_side = put(OTHER_SIDE)
         rows = ("flexion", "distal", "weights", "postures", "goals", "signs", "is_muscle", "low", "high")
         self._of = {name: put(getattr(joints, name)[None]) for name in rows}
@@ -191,7 +193,9 @@ class GeneralMovements:
             normal: Standard normal numbers, shape (k, normals).
             arousal: How awake the infants are, shape (k, 1), or one number: 0 is not at all, 1 quiet.
         """
-        chances, noise, state = self._uniforms.split(uniform), self._normals.split(normal), self._state
+        chances = self._uniforms.split(uniform)
+        noise = self._normals.split(normal)
+        state = self._state
         for name, seconds in (
             ("arousal", "swell_s"),
             ("activity", "limb_swell_s"),
@@ -239,9 +243,14 @@ class GeneralMovements:
 
     def _oscillate(self, normal: Any) -> None:
         """Turn the fidgety drives, two numbers a joint, by a step, and let chance disturb their rhythm."""
-        xp, state, angle = self._xp, self._state, 2.0 * math.pi * self._step_s * self._law["fidget_hz"]
+        xp = self._xp
+        state = self._state
+        angle = 2.0 * math.pi * self._step_s * self._law["fidget_hz"]
         keep = math.exp(-self._step_s / FIDGET_S)
-        cos, sin, former, quadrature = xp.cos(angle), xp.sin(angle), state["fidget"], state["quadrature"]
+        cos = xp.cos(angle)
+        sin = xp.sin(angle)
+        former = state["fidget"]
+        quadrature = state["quadrature"]
         state["fidget"] = keep * (cos * former - sin * quadrature) + math.sqrt(2.0 * (1.0 - keep**2)) * normal
         state["quadrature"] = keep * (sin * former + cos * quadrature)
 
@@ -315,16 +324,21 @@ class Moving:
     """
 
     def __init__(self, batch: Batch):
-        first, self._batch, self._started = batch.infants[0], batch, False
+        first = batch.infants[0]
+        self._batch = batch
+        self._started = False
         self._ages = [infant.manifest.child.corrected_age_months for infant in batch.infants]
-        joints, laws = joints_of(first.manifest.actuation, first.actuation), [law_at(age) for age in self._ages]
+        joints = joints_of(first.manifest.actuation, first.actuation)
+        laws = [law_at(age) for age in self._ages]
         step_s = ms_to_s(first.manifest.step_ms)
         self.movement = GeneralMovements(joints, laws, step_s, xp=batch.xp, put=batch.put)
         """The generator of their commands."""
 
     def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> Any:
         """Return the actions of the next control step, shape (k, n)."""
-        movement, batch, put = self.movement, self._batch, self._batch.put
+        movement = self.movement
+        batch = self._batch
+        put = self._batch.put
         ages = [infant.manifest.child.corrected_age_months for infant in batch.infants]
         if not self._started:
             movement.start(put(draw(generators, 0, movement.starts)[1]))

@@ -19,6 +19,8 @@ from mimoc.policies.policy import begin_here
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 
+PLACE, TURN = slice(0, 3), slice(3, 6)  # Linear and angular part of an error, velocity or wrench of the root.
+
 
 @dataclass(frozen=True)
 class Followed:
@@ -26,8 +28,8 @@ class Followed:
 
     body: MovedBody
     manifest: Manifest
-    errors_rad: FloatArray  # Of joint angles, shape (t, n).
-    root_errors: FloatArray  # Of the root's place [m] and orientation [rad], shape (t, 6); (t, 0) if it is held.
+    errors_rad: FloatArray  # Errors of joint angles, shape (t, n).
+    root_errors: FloatArray  # Errors of the root's place [m] and orientation [rad], shape (t, 6); (t, 0) if it is held.
     applied: FloatArray  # Force [N] and torque [N m] that were applied at the root, shape (t, 6).
     demand: Demand
     headings = "joint", "error [°]", "torque needed / available", "95th percentile", "above 1", "known"
@@ -52,13 +54,16 @@ class Followed:
         It has the joint's name, its error, the torque that it needs over what it has, median and 95th percentile, the
         share of the time that this is above 1, and the share of the time that it is known.
         """
-        rows, shares = list[tuple[str, ...]](), np.array(self.demand.shares)
+        rows = list[tuple[str, ...]]()
+        shares = np.array(self.demand.shares)
         for joint, name in enumerate(self.body.joints.names):
-            known = shares[:, joint][np.isfinite(shares[:, joint])]
-            needed = [f"{value:.2f}" for value in np.percentile(known, (50, 95))] if known.size else ["-", "-"]
-            above = f"{100 * (known > 1).mean():.0f} %" if known.size else "-"
             error = f"{_rms_deg(self.errors_rad[:, joint]):.1f}"
-            rows.append((name, error, *needed, above, f"{100 * known.size / len(shares):.0f} %"))
+            known = shares[:, joint][np.isfinite(shares[:, joint])]
+            median, p95, above = "-", "-", "-"
+            if known.size:
+                median, p95 = (f"{share:.2f}" for share in np.percentile(known, (50, 95)))
+                above = f"{100 * (known > 1).mean():.0f} %"
+            rows.append((name, error, median, p95, above, f"{100 * known.size / len(shares):.0f} %"))
         return rows
 
     def _groups(self) -> Iterator[tuple[str, npt.NDArray[np.bool_]]]:
@@ -66,30 +71,30 @@ class Followed:
         yield from self.body.of_limbs.items()
         is_limbs = np.any([*self.body.of_limbs.values()], axis=0)
         for group, joints in self.manifest.anatomy.groups.items():
-            own = [*map(self.manifest.of_infant, joints)]
-            members = np.array([name in own for name in self.body.joints.names], bool)
+            names_in_group = [*map(self.manifest.of_infant, joints)]
+            members = np.array([name in names_in_group for name in self.body.joints.names], bool)
             if not (members & is_limbs).any():
                 yield group, members
 
     def _of_root(self) -> dict[str, float]:
-        """Return the drift of the trunk, the wrench that it needs, and that which it got."""
+        """Return the drift of the trunk, the wrench that it needs, and the wrench that was applied."""
         model = self.body.model
         weight_n = GRAVITY_M_S2 * float(model.body_subtreemass[self.body.root])
         away_m, turned_rad = (np.linalg.norm(self.root_errors[:, part], axis=1) for part in (PLACE, TURN))
-        metrics = {"drift_m": float(away_m.max()), "drift_end_m": float(away_m[-1])}
-        metrics["turned_deg"] = float(np.degrees(turned_rad.max()))
+        metrics = {
+            "drift_m": float(away_m.max()),
+            "drift_end_m": float(away_m[-1]),
+            "turned_deg": float(np.degrees(turned_rad.max())),
+        }
         for name, wrenches in (("wrench", np.array(self.demand.wrenches)), ("assisted", self.applied)):
             if not wrenches.any():
                 continue
             force_n, torque_nm = (np.linalg.norm(wrenches[:, part], axis=1) for part in (PLACE, TURN))
-            for size, value in (("median", 50), ("p95", 95)):
-                metrics[f"{name}_force_{size}_n"] = round(float(np.percentile(force_n, value)), 9)
-                metrics[f"{name}_force_{size}_weights"] = round(float(np.percentile(force_n, value)) / weight_n, 9)
-                metrics[f"{name}_torque_{size}_nm"] = round(float(np.percentile(torque_nm, value)), 9)
+            for label, percent in (("median", 50), ("p95", 95)):
+                metrics[f"{name}_force_{label}_n"] = round(float(np.percentile(force_n, percent)), 9)
+                metrics[f"{name}_force_{label}_weights"] = round(float(np.percentile(force_n, percent)) / weight_n, 9)
+                metrics[f"{name}_torque_{label}_nm"] = round(float(np.percentile(torque_nm, percent)), 9)
         return metrics
-
-
-PLACE, TURN = slice(0, 3), slice(3, 6)  # Linear and angular part of a velocity or wrench of the root.
 
 
 def _of_joints(prefix: str, errors_rad: FloatArray, shares: FloatArray) -> Iterator[tuple[str, float]]:
@@ -122,14 +127,17 @@ class MotionPolicy:
         control step.
         """
         check_name("way for the root to move", root, get_args(Root))
-        self._env, self._motion, self._root = env, motion, root
+        self._env = env
+        self._motion = motion
+        self._root = root
         self.whole_steps = int(motion.seconds / ms_to_s(env.manifest.step_ms) + 1e-6)
         """Control steps of the motion, and of a run that follows all of it; after them, the infant holds the last."""
         if not self.whole_steps:
             raise MimocError("the motion is shorter than a control step; take a longer recording")
-        self._logged = list[FloatArray](), list[FloatArray](), list[FloatArray]()
+        self._logged = list[FloatArray](), list[FloatArray](), list[FloatArray]()  # As the arrays of `Followed`.
         if env.manifest.prefix and motion.free:
-            self._motion = motion.moved_to(env.data.qpos[motion.places(env.model, env.manifest.prefix)[0]])
+            angles, _ = motion.places(env.model, env.manifest.prefix)
+            self._motion = motion.moved_to(env.data.qpos[angles])
         self._bind()
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> npt.NDArray[np.float32]:
@@ -163,63 +171,83 @@ class MotionPolicy:
 
     def _bind(self) -> None:
         env = self._env
-        self._model, self._step_s = env.model, ms_to_s(env.manifest.step_ms)
+        self._model = env.model
+        self._step_s = ms_to_s(env.manifest.step_ms)
         self._places = self._motion.places(env.model, env.manifest.prefix)
         self._tracker = Tracker(env.model, env.data, env.manifest)
         self._body = MovedBody(env.model, env.manifest)
-        self._demand, self._rest = Demand(env.model, env.manifest), env.data.qpos.copy()
-        self._present, self._coming = self._motion.at(self._times_s(0.0)), self._states_when_acted()
+        self._demand = Demand(env.model, env.manifest)
+        self._rest = env.data.qpos.copy()
+        self._present = self._motion.at(self._times_s(0.0))
+        self._coming = self._states_when_acted()
 
     def _times_s(self, lead_s: float) -> FloatArray:
-        """Return the beginnings of all control steps of the motion and of the one after it, some time ahead."""
+        """Return when all control steps of the motion and the one after it begin, each plus *lead_s*."""
         return np.asarray(self._step_s * (np.arange(self.whole_steps + 2) + lead_s / self._step_s), np.float64)
 
     def _states_when_acted(self) -> States:
         """Return the motion at each control step when its commands take effect, each joint after its own delay."""
-        model, (angles, speeds), leads_s = self._model, self._places, self._tracker.leads_s
-        of_angles = np.empty(model.nq, np.intp)  # The degree of freedom, or the first, that each number belongs to.
+        model, leads_s = self._model, self._tracker.leads_s
+        angles, speeds = self._places
+        first_dofs = np.empty(model.nq, np.intp)  # First degree of freedom of the joint of each number in qpos.
         for joint in range(model.njnt):
-            of_angles[model.jnt_qposadr[joint] :] = model.jnt_dofadr[joint]
-        coming = self._motion.at(self._times_s(float(leads_s[speeds[0]])))
-        for lead_s in np.unique(leads_s[speeds]).tolist():
-            ahead = self._motion.at(self._times_s(lead_s))
-            which, turning = leads_s[of_angles[angles]] == lead_s, leads_s[speeds] == lead_s
-            coming.qpos[:, which] = ahead.qpos[:, which]
-            coming.qvel[:, turning], coming.qacc[:, turning] = ahead.qvel[:, turning], ahead.qacc[:, turning]
+            first_dofs[model.jnt_qposadr[joint] :] = model.jnt_dofadr[joint]
+        angle_leads_s = leads_s[first_dofs[angles]]
+        speed_leads_s = leads_s[speeds]
+        first_lead_s, *other_leads_s = np.unique(speed_leads_s).tolist()
+        coming = self._motion.at(self._times_s(first_lead_s))
+        for lead_s in other_leads_s:
+            later = self._motion.at(self._times_s(lead_s))
+            late_angles = angle_leads_s == lead_s
+            late_speeds = speed_leads_s == lead_s
+            coming.qpos[:, late_angles] = later.qpos[:, late_angles]
+            coming.qvel[:, late_speeds] = later.qvel[:, late_speeds]
+            coming.qacc[:, late_speeds] = later.qacc[:, late_speeds]
         return coming
 
     def _at(self, states: States, step: int) -> Wanted:
-        model, (angles, speeds) = self._model, self._places
-        at = min(step, len(states.qpos) - 1)
-        qpos, qvel, qacc = self._rest.copy(), np.zeros(model.nv), np.zeros(model.nv)
-        qpos[angles], qvel[speeds], qacc[speeds] = states.qpos[at], states.qvel[at], states.qacc[at]
-        return Wanted(qpos, qvel, qacc)
+        """Return the state after *step* control steps, or the last one; joints that the motion lacks are at rest."""
+        angles, speeds = self._places
+        step = min(step, len(states.qpos) - 1)
+        wanted = Wanted(self._rest.copy(), np.zeros(self._model.nv), np.zeros(self._model.nv))
+        wanted.qpos[angles] = states.qpos[step]
+        wanted.qvel[speeds] = states.qvel[step]
+        wanted.qacc[speeds] = states.qacc[step]
+        return wanted
 
     def _begin(self) -> None:
-        """Put the infant where the motion begins, lifted out of the ground, and let it sense that."""
+        """Put the infant where the motion begins, lifted out of the ground, and let its senses begin there."""
         self._tracker.begin()
-        env, model, data = self._env, self._model, self._env.data
+        model, data = self._model, self._env.data
         self._rest = data.qpos.copy()
-        first, (angles, _) = self._at(self._present, 0), self._places
+        first = self._at(self._present, 0)
+        angles, _ = self._places
         data.qpos[angles] = first.qpos[angles]
         is_own = self._body.is_own[model.dof_bodyid]
         data.qvel[is_own] = first.qvel[is_own]
         mujoco.mj_forward(model, data)
         data.qpos[angles] += self._lift()
-        begin_here(env)
+        begin_here(self._env)
 
     def _lift(self) -> FloatArray:
-        """Return what to add to the configuration so that nothing is deeper in what does not move than it touches."""
-        model, data, lift = self._model, self._env.data, np.zeros(len(self._places[0]))
+        """Return what to add to the configuration to raise the infant out of the ground by its deepest contact.
+
+        The ground is whatever cannot move. If the motion has no free joint, nothing is added.
+        """
+        model, data = self._model, self._env.data
+        angles, _ = self._places
+        lift = np.zeros(len(angles))
         bodies = model.geom_bodyid[data.contact.geom]
-        is_still, is_own = model.body_weldid[bodies] == 0, self._body.is_own[bodies]
+        is_still = model.body_weldid[bodies] == 0
+        is_own = self._body.is_own[bodies]
         depths_m = -data.contact.dist[is_still.any(axis=1) & is_own.any(axis=1)]
         if self._motion.free and depths_m.size:
             lift[2] = max(float(depths_m.max()), 0.0)
         return lift
 
     def _log(self, wanted: Wanted) -> None:
-        errors, (joint_errors, root_errors, applied) = np.zeros(self._model.nv), self._logged
+        joint_errors, root_errors, applied = self._logged
+        errors = np.zeros(self._model.nv)
         mujoco.mj_differentiatePos(self._model, errors, 1.0, wanted.qpos, self._env.data.qpos)
         joint_errors.append(errors[self._body.joints.dofs])
         root_errors.append(errors[self._body.root_speeds])
@@ -227,7 +255,7 @@ class MotionPolicy:
 
 
 def bind(env: Infant, text: str, root: Root = "free") -> MotionPolicy:
-    """Return the policy for an environment and a motion, which *text* is the path of; see `MotionPolicy`.
+    """Return the policy that follows the motion at the path *text*; see `MotionPolicy`.
 
     Raises:
         MimocError: If there is no motion there, and as `MotionPolicy` does.

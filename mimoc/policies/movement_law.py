@@ -121,9 +121,9 @@ class Styles:
     slow: float = 0.2
     tone: float = 0.2
     arms: float = 0.2
-    side: float = 0.08  # Of the rate of the left limbs over that of the right ones, halved.
-    posture: float = 0.12  # Of the lasting share of each joint; not of a logarithm.
-    limbs: float = 0.1  # Of the lasting flexion of each limb, a share; not of a logarithm.
+    side: float = 0.08  # Half the logarithm of the rate of the left limbs over that of the right ones.
+    posture: float = 0.12  # Lasting share of each joint itself, not its logarithm.
+    limbs: float = 0.1  # Lasting flexion of each limb itself, a share, not its logarithm.
 
 
 STYLES = Styles()
@@ -138,7 +138,7 @@ ARMS, LEGS, TRUNK, IS_LEFT = np.array(
 )
 """1 for each of `LIMBS` that is an arm, a leg, trunk or head, or on the left; else 0."""
 OTHER_SIDE = np.array([0, 0, 2, 2, 4, 5], np.intp)
-"""For a limb on the left, the same on the right, as an index in `LIMBS`."""
+"""Index in `LIMBS` of each limb, or of its counterpart on the right if it is on the left."""
 ARM: Mapping[str, float] = {
     "shoulder_horizontal": 0.8,
     "shoulder_ad_ab": 0.3,
@@ -194,7 +194,7 @@ Roles = Sequence[tuple[str, str, float]]  # Limb, kind and flexion of hinges.
 class Joints:
     """The m hinges of an infant that move by themselves, and its n commands."""
 
-    names: tuple[str, ...]  # Of the hinges, m.
+    names: tuple[str, ...]  # Names of the m hinges.
     limbs: IntArray  # The limb of each hinge, an index in `LIMBS`, shape (m,).
     flexion: FloatArray  # How it acts when all of its limb bends, shape (m,).
     distal: FloatArray  # 1 of wrists, fingers, ankles and toes, else 0, shape (m,).

@@ -50,10 +50,12 @@ def policy_of(env: Infant, policy: str | PolicyMaker, load: Loader | None = None
     if not isinstance(policy, str):
         return policy(env)
     together, others = split_behaviours(parse_policy(policy))
-    policies, labels = [_bound(env, part, load) for part in others], [part.label for part in others]
+    policies = [_bound(env, part, load) for part in others]
+    labels = [part.label for part in others]
     if together:
         named = [NamedBehaviour(part.label, _binding(part)) for part in together]
-        policies, labels = [BehaviourPolicy(env, named), *policies], ["behaviours", *labels]
+        policies = [BehaviourPolicy(env, named), *policies]
+        labels = ["behaviours", *labels]
     if env.manifest.actuation.voice:
         policies = [Silent(policy, len(env.actuation.low)) for policy in policies]
     return policies[0] if len(policies) == 1 else Sum(env, policies, labels)
@@ -98,7 +100,9 @@ class Sum:
     """
 
     def __init__(self, env: Infant, policies: Sequence[Policy], labels: Sequence[str]):
-        self._env, self._policies, self._labels = env, tuple(policies), numbered(labels)
+        self._env = env
+        self._policies = tuple(policies)
+        self._labels = numbered(labels)
         self.steps_per_episode = min(map(episode_limit_of, policies))
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:

@@ -22,7 +22,7 @@ from mimoc.runtime.infant import Infant
 
 FloatArray = npt.NDArray[np.float32]
 
-MOST_BYTES = 2**29
+MAX_BYTES = 2**29
 """Largest size of an archive, and of all that is unpacked from it: 512 MB. A policy with all senses has some 10 MB."""
 SMALL_BYTES = 2**24
 """Largest member that may be packed to any degree: descriptions, and statistics of a skin that nothing touched."""
@@ -38,7 +38,7 @@ class Archive(zipfile.ZipFile):
         super().__init__(io.BytesIO(content))
         if len(self.infolist()) > MAX_MEMBERS:
             raise ValueError("an archive of too many members")
-        self._left = MOST_BYTES
+        self._left = MAX_BYTES
 
     def content(self, name: str) -> bytes:
         """Return the content of a member; raise a KeyError if there is none, a ValueError if it is too large."""
@@ -83,7 +83,7 @@ def read_policy(path: str | Path) -> PolicyFile:
     if not path.is_file():
         raise PolicyError(f"{path}: {NO_SUCH_FILE}")
     try:
-        archive = Archive(read_regular_file(path, MOST_BYTES) or b"")
+        archive = Archive(read_regular_file(path, MAX_BYTES) or b"")
         about = json.loads(archive.content(ABOUT))
         version = about["policy"]
         if type(version) is int and version not in (OF_AGENT, OF_NETWORK):
@@ -299,7 +299,8 @@ def _act(
 
 def _pick(trained: Mapping[str, Any], sensed: Mapping[str, Any]) -> npt.NDArray[np.intp] | None:
     """Return where the elements that were sensed in training are among those sensed now; None if they are not."""
-    wanted, place = trained["layout"], {name: place for place, name in enumerate(sensed["layout"])}
+    wanted = trained["layout"]
+    place = {name: place for place, name in enumerate(sensed["layout"])}
     if not wanted or len(place) < len(sensed["layout"]) or not place.keys() >= set(wanted):
         return None
     return np.array([place[name] for name in wanted])

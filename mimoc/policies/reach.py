@@ -52,8 +52,10 @@ class ReachableTargets:
         joints = [joint for _, _, joints in arms for joint in joints]
         self._angles = model.jnt_qposadr[joints]
         low_rad, high_rad = model.jnt_range[joints].T
-        middle_rad, half_rad = (low_rad + high_rad) / 2, SHARE * (high_rad - low_rad) / 2
-        self._low_rad, self._high_rad = middle_rad - half_rad, middle_rad + half_rad
+        middle_rad = (low_rad + high_rad) / 2
+        half_rad = SHARE * (high_rad - low_rad) / 2
+        self._low_rad = middle_rad - half_rad
+        self._high_rad = middle_rad + half_rad
         is_arm = in_subtrees(model, [model.body(limb.root).id for limb, _, _ in arms])
         self._is_arm = np.append(is_arm[model.geom_bodyid], False)  # The last is for what has no geom.
 
@@ -127,7 +129,8 @@ class ReachController:
         Without *gains*, they are gentle for an infant that sits freely, else strong.
         """
         self._model, self._data, self._manifest = model, data, manifest
-        self._trunk, self._places = trunk_of(manifest.anatomy, model), ReachableTargets(model, manifest)
+        self._trunk = trunk_of(manifest.anatomy, model)
+        self._places = ReachableTargets(model, manifest)
         self.hands = self._places.hands
         """Bodies of the hands that reach."""
         self.sits_freely = not manifest.constraints.welds and not self.lies
@@ -175,7 +178,8 @@ class ReachController:
             return [Posture(joints=[*legs, *self._joints_on(self._trunk)])]
         actuators = [self._model.actuator(actuator.name) for actuator in self._manifest.actuation.actuators]
         is_late = any(actuator.actadr >= 0 for actuator in actuators)
-        chest, gains = self._data.body(self._trunk[-1]), LAGGING if is_late else BALANCING
+        chest = self._data.body(self._trunk[-1])
+        gains = LAGGING if is_late else BALANCING
         wanted = chest.xmat.reshape(3, 3)
         wanted = _half_upright(wanted) if self.sits_freely else wanted
         return [Posture(joints=legs), OrientationTask(chest.name, wanted, gains=gains)]
@@ -230,8 +234,8 @@ class ReachPolicy:
         self._env, self._gains = env, gains
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
         self._steps = 0
-        self._errors_m: list[list[float]] = []  # Of each turn, by hand: just before the next targets, and the least.
-        self._least_m: list[list[float]] = []
+        self._errors_m: list[list[float]] = []  # Errors of each turn just before the next targets, by hand.
+        self._least_m: list[list[float]] = []  # Least errors of each turn, by hand.
         self._fell_after_s: float | None = None
         self._bind()
 
@@ -270,7 +274,8 @@ class ReachPolicy:
         """
         metrics: dict[str, float] = {}
         if self._errors_m:
-            errors_m, least_m = np.array(self._errors_m), np.array(self._least_m[: len(self._errors_m)])
+            errors_m = np.array(self._errors_m)
+            least_m = np.array(self._least_m[: len(self._errors_m)])
             metrics = {"hand_error_m": float(np.median(errors_m)), "hand_targets": len(errors_m)}
             for number, hand in enumerate(self._control.hands):
                 hand = self._env.manifest.of_infant(hand)

@@ -17,6 +17,11 @@ from mimoc.runtime.infant import Infant
 from mimoc.runtime.quantities import EpisodeResult, StepMeasures, Value, measure
 from mimoc.runtime.sense import Observation
 
+Begun = Mapping[str, tuple[Observation, dict[str, Any]]]
+"""What infants observe at the start of an episode, and its info, by name."""
+Stepped = Mapping[str, tuple[Observation, float, bool, dict[str, Any]]]
+"""What infants observe after a step, rewards, whether their episodes have ended, and infos, by name."""
+
 
 @dataclass(frozen=True, slots=True)
 class Step:
@@ -104,23 +109,27 @@ class Rollout:
         self.infants: dict[str, Infant] = infants_of(function, env)
         self.env: Any = getattr(env, "unwrapped", env)
         self._stage = _stage_of(self.env, self.infants)
-        self._seed, self._episodes = seed, episodes
+        self._seed = seed
+        self._episodes = episodes
         self._groups = list[_Group]()
         first = 0
         for number, names in enumerate(self._stage.groups):
             episode = 0 if episodes is None else number
             self._groups.append(_Group(names, first, episode, episodes is None or episode < episodes))
             first += len(names)
-        self._generators, self._returns = dict[str, np.random.Generator](), dict[str, float]()
+        self._generators = dict[str, np.random.Generator]()
+        self._returns = dict[str, float]()
         self.observations = dict[str, Observation]()
         """What each infant observes."""
-        self._chosen, self._load = by_infant(policy, self.infants), load and cache(load)
+        self._chosen = by_infant(policy, self.infants)
+        self._load = load and cache(load)
+        # The order matters: aims of policies depend on how the environment starts, and limits on the policies.
         observed = self._stage.reset({group.names: self._seed_of(group, is_first=True) for group in self._groups})
-        self.policies = {name: self._bound(name) for name in self.infants}  # Their aims depend on how it starts.
-        around = getattr(getattr(env, "spec", None), "max_episode_steps", None) or math.inf
+        self.policies = {name: self._bound(name) for name in self.infants}
+        limit_of_env = getattr(getattr(env, "spec", None), "max_episode_steps", None) or math.inf
         for group in self._groups:
             limits = [episode_limit_of(self.policies[name]) for name in group.names]
-            group.limit = steps_per_episode or min(around, *limits)
+            group.limit = steps_per_episode or min(limit_of_env, *limits)
         self.wall_s = 0.0
         """Wall time of the simulation."""
         self.started = self._begin([group for group in self._groups if group.goes_on], observed)
@@ -169,13 +178,19 @@ class Rollout:
         steps = list[Step]()
         for group in going:
             group.taken += 1
+            still_acting = list[str]()
             for name in group.acting:
                 observation, reward, ended, info = stepped[name]
-                ended, self.observations[name] = bool(ended or group.taken >= group.limit), observation
+                ended = bool(ended or group.taken >= group.limit)
+                self.observations[name] = observation
                 self._returns[name] += reward
-                action, number, total = actions[name], group.taken, self._returns[name]
+                action = actions[name]
+                number = group.taken
+                total = self._returns[name]
                 steps.append(Step(name, group.episode, number, observation, action, reward, info, ended, total))
-            group.acting = [step.infant for step in steps if step.infant in group.acting and not step.ended]
+                if not ended:
+                    still_acting.append(name)
+            group.acting = still_acting
         return steps
 
     def renew(self) -> list[Step]:
@@ -187,20 +202,23 @@ class Rollout:
         if not over or not any(group.goes_on for group in self._groups):
             return []
         observed = self._stage.reset({group.names: self._seed_of(group, is_first=False) for group in over})
+        starting = [group for group in over if group.goes_on]
         if self._episodes is not None:
-            for name in (name for group in over if group.goes_on for name in group.names):
-                self.policies[name] = self._bound(name)
-        return self._begin([group for group in over if group.goes_on], observed)
+            for group in starting:
+                for name in group.names:
+                    self.policies[name] = self._bound(name)
+        return self._begin(starting, observed)
 
     def _seed_of(self, group: "_Group", is_first: bool) -> int | None:
         if self._episodes is not None:
             return self._seed + group.episode
         return self._seed + group.first if is_first else None
 
-    def _begin(self, groups: "Sequence[_Group]", observed: "Begun") -> list[Step]:
+    def _begin(self, groups: Sequence["_Group"], observed: Begun) -> list[Step]:
         steps = list[Step]()
         for group in groups:
-            group.taken, group.acting = 0, list(group.names)
+            group.taken = 0
+            group.acting = list(group.names)
             seed = self._seed + (group.first if self._episodes is None else group.episode)
             for number, name in enumerate(group.names):
                 if self._episodes is not None or name not in self._generators:
@@ -213,7 +231,8 @@ class Rollout:
             observed = {name: (self.infants[name].observe(), info) for name, (_, info) in observed.items()}
         for group in groups:
             for name in group.names:
-                (self.observations[name], info), self._returns[name] = observed[name], 0.0
+                self.observations[name], info = observed[name]
+                self._returns[name] = 0.0
                 steps.append(Step(name, group.episode, 0, self.observations[name], None, 0.0, info, False, 0.0))
         return steps
 
@@ -276,7 +295,8 @@ class Run(Rollout):
         super().__init__(env, policy, seed=seed, load=load, function="a run")
         self._measures = {name: StepMeasures(infant, "run") for name, infant in self.infants.items()}
         self._results: dict[str, list[EpisodeResult]] = {name: [] for name in self.infants}
-        self._steps, self._rewards = dict.fromkeys(self.infants, 0), dict.fromkeys(self.infants, 0.0)
+        self._steps = dict.fromkeys(self.infants, 0)
+        self._rewards = dict.fromkeys(self.infants, 0.0)
 
     @property
     def observation(self) -> Observation:
@@ -302,7 +322,8 @@ class Run(Rollout):
         return {name: self._summary(name) for name in self.infants}
 
     def _summary(self, name: str) -> RunSummary:
-        manifest, results = self.infants[name].manifest, self._results[name]
+        manifest = self.infants[name].manifest
+        results = self._results[name]
         return RunSummary(
             steps=self._steps[name],
             episodes=len(results) + 1,
@@ -324,20 +345,14 @@ class _Group:
     names: tuple[str, ...]
     first: int  # Number of its first infant among all.
     episode: int
-    goes_on: bool  # Whether it has an episode.
+    goes_on: bool  # Whether an episode of it goes on or is still to come.
     limit: float = math.inf
     taken: int = 0  # Control steps of this episode.
     acting: list[str] = field(default_factory=list)  # Infants whose episode goes on.
 
 
-Begun = Mapping[str, tuple[Observation, dict[str, Any]]]
-"""What infants observe at the start of an episode, and its info, by name."""
-Stepped = Mapping[str, tuple[Observation, float, bool, dict[str, Any]]]
-"""What infants observe after a step, rewards, whether their episodes have ended, and infos, by name."""
-
-
 class _Alone:
-    """An environment of one infant, as it is run: everything by infant, and those together that share a world."""
+    """An environment of one infant, as it is run: values are by name of the infant, groups are those in one world."""
 
     groups = (("",),)
 
@@ -353,10 +368,11 @@ class _Alone:
 
 
 class _World:
-    """The same of infants in one world."""
+    """An environment of infants in one world, as it is run; see `_Alone`."""
 
     def __init__(self, world: Any):
-        self._world, self.groups = world, (tuple(world.infants),)
+        self._world = world
+        self.groups = (tuple(world.infants),)
 
     def reset(self, seeds: Mapping[tuple[str, ...], int | None]) -> Begun:
         observations, infos = self._world.reset(seed=seeds[self.groups[0]])
@@ -371,10 +387,11 @@ class _World:
 
 
 class _Rows:
-    """The same of infants side by side, each in a world of its own, or several in each world."""
+    """A vector environment, as it is run, with one or several infants in each of its worlds; see `_Alone`."""
 
     def __init__(self, envs: Any, infants: Mapping[str, Infant]):
-        self._envs, self._names = envs, tuple(infants)
+        self._envs = envs
+        self._names = tuple(infants)
         worlds = dict[int, tuple[str, ...]]()
         for name, infant in infants.items():
             worlds[id(infant.simulation)] = (*worlds.get(id(infant.simulation), ()), name)
@@ -387,7 +404,8 @@ class _Rows:
             for names, seed in seeds.items()
             for number, name in enumerate(names)
         }
-        rows, mask = [by_row.get(name) for name in self._names], np.array([name in by_row for name in self._names])
+        rows = [by_row.get(name) for name in self._names]
+        mask = np.array([name in by_row for name in self._names])
         observations, infos = self._envs.reset(seed=rows, options={"reset_mask": mask})
         return {
             name: ({sense: readings[row] for sense, readings in observations.items()}, info_of(infos, row))
@@ -403,9 +421,11 @@ class _Rows:
         observations, rewards, terminated, truncated, infos = self._envs.step(joined)
         stepped = {}
         for row, name in enumerate(self._names):
-            info, last = info_of(infos, row), {sense: readings[row] for sense, readings in observations.items()}
+            info = info_of(infos, row)
+            last = {sense: readings[row] for sense, readings in observations.items()}
             if "final_info" in info:  # It was reset in the same step.
-                info, last = info["final_info"], info["final_obs"]
+                last = info["final_obs"]
+                info = info["final_info"]
             stepped[name] = last, float(rewards[row]), bool(terminated[row] or truncated[row]), info
         return stepped
 

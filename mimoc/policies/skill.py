@@ -108,7 +108,8 @@ class PosturePolicy:
             PolicyError: If the infant lacks a joint of the movement, or does not sense angles and speeds of its joints.
         """
         self._env, self._movement = env, movement
-        self._step_s, self._targets = ms_to_s(env.manifest.step_ms), movement.targets()
+        self._step_s = ms_to_s(env.manifest.step_ms)
+        self._targets = movement.targets()
         names = _sensed(env, "proprioception")
         missing = [joint for joint in movement.joints if f"{joint} angle [rad]" not in names]
         if missing or f"{movement.joints[0]} velocity [rad/s]" not in names:
@@ -128,7 +129,8 @@ class PosturePolicy:
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> npt.NDArray[np.float32]:
         """Return the action, shape (n,); it does not depend on the generator."""
-        movement, sensed = self._movement, observation["proprioception"].astype(np.float64)
+        movement = self._movement
+        sensed = observation["proprioception"].astype(np.float64)
         target = self._target(self._env.steps * self._step_s)
         if self._sway is not None:
             target = np.clip(target + self._felt(observation["vestibular"]) @ self._sway, -1.0, 1.0)

@@ -87,7 +87,10 @@ class Block:
     """Some rows of an episode that follow each other: what was done, what it led to, and what was observed then."""
 
     def __init__(self, readings: Iterable[Reading], actuators: int, rows: int, first_step: int):
-        self.readings, self.first_step, self.room, self.rows = tuple(readings), first_step, rows, 0
+        self.readings = tuple(readings)
+        self.first_step = first_step
+        self.room = rows
+        self.rows = 0
         self.action = np.empty((rows, actuators))
         self.numbers: dict[str, Array] = {"time_s": np.empty(rows), "reward": np.empty(rows)}
         self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
@@ -183,7 +186,7 @@ def _names(run: Mapping[str, Any]) -> list[str]:
 
 KEY = b"mimoc"  # Key of the description in the schema's metadata.
 OBSERVATION = "observation."  # What the names of the columns of observations begin with.
-MAX_NUMBERS = 2**26  # Of one array of an observation; pictures have the most.
+MAX_NUMBERS = 2**26  # Most numbers of one array of an observation; pictures have the most.
 MAX_NAME = 200  # Characters of the name of an observation, which is part of the names of files.
 ACTION = "action"
 MOVEMENT, MOVEMENT_NAMES = "movement", "movement_names"  # Movement columns of numbers, and of texts.
@@ -272,7 +275,8 @@ def _movement(name: str, column: _Column | None) -> tuple[str, ...]:
 
 
 def _reading(column_name: str, column: _Column) -> Reading:
-    place, name = f"columns.{column_name!r:.{MAX_NAME}}", column_name.removeprefix(OBSERVATION)
+    place = f"columns.{column_name!r:.{MAX_NAME}}"
+    name = column_name.removeprefix(OBSERVATION)
     if not isinstance(column, _Observation) or name == column_name:
         raise UnusableFileError(f"{place}: it is not a column that mimoc describes")
     if not 0 < len(name) < MAX_NAME or not name.isprintable() or "/" in name:

@@ -17,7 +17,7 @@ from mimoc.schema.entries import ControlStep, Count, Digest, Number, Size
 
 RECORDING = "recording.json"
 FORMAT: Literal[1] = 1
-MAX_BYTES = 2**29  # Of a description or a sidecar, which has all states of an episode; 512 MB.
+MAX_BYTES = 2**29  # Largest size of a description or a sidecar, which has all states of an episode; 512 MB.
 UNFINISHED = "unfinished"  # How an episode ended that is still being recorded, or was when its process was killed.
 
 Data = TypeVar("Data", bound=Model)
@@ -200,7 +200,7 @@ ARRAY, TUPLE, ITEMS, FLOAT = "array", "tuple", "items", "float"
 """Keys of dictionaries that stand for what JSON does not have; each is the only key that begins with `MARK`."""
 MARK = "$"
 KINDS = "biufcSU"  # Kinds of arrays in states: numbers, complex ones too, and text.
-MAX_ARRAY_BYTES = 2**28  # Of one array; the largest are the signals of a skin on their way.
+MAX_ARRAY_BYTES = 2**28  # Largest size of one array; the largest are the signals of a skin on their way.
 
 
 def to_plain(value: Any) -> Any:

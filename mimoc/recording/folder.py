@@ -30,7 +30,7 @@ TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
 AnyBundle = Bundle | WorldBundle
-DIGITS = 16  # Of a bundle's digest in the name of its folder.
+DIGITS = 16  # Digits of a bundle's digest in the name of its folder.
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,8 @@ def open_folder(path: str | Path, bundles: Sequence[AnyBundle], *, note: str | N
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
     busy = RecordingError(f"{folder}: another process is recording here; wait for it or name another folder")
-    step_ms, infants = bundles[0].manifest.step_ms, recorded_infants(bundles)
+    step_ms = bundles[0].manifest.step_ms
+    infants = recorded_infants(bundles)
     new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
     new = new.model_copy(update={"note": note} if note else {})
     recording = RecordingFolder(folder, previous or new, lock_folder(folder, busy))
@@ -169,7 +170,8 @@ def check_recordable(folder: Path, bundles: Sequence[AnyBundle]) -> Description 
 
 def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
     """Return the episodes in the folder of a recording, by infant and number, but those without a first part."""
-    home, parts = folder / EPISODES, dict[tuple[int, int], set[int]]()
+    home = folder / EPISODES
+    parts = dict[tuple[int, int], set[int]]()
     for name in _names_in(folder):
         if match := NAME.fullmatch(name):
             infant, number, part = (int(digits or 0) for digits in match.groups())
@@ -278,7 +280,7 @@ def lock_folder(folder: Path, busy: MimocError) -> int:
 
 DICTIONARY = "columns.csv"
 HEADINGS = ("name", "unit", "about", "frame", "source")
-MAX_BYTES = 2**23  # Of a dictionary; an infant with five fingers and muscles has 0.2 MB.
+MAX_BYTES = 2**23  # Largest size of a dictionary; that of an infant with five fingers and muscles has 0.2 MB.
 
 
 def write_dictionary(folder: Path, columns: Iterable[Quantity]) -> None:

@@ -1,6 +1,6 @@
 """Quantities of recorded episodes: a row for each episode of one recording, or of all in a folder."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,18 +20,20 @@ from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.runtime.quantities import REDUCERS, EpisodeResult, Value, reduced
 
 Progress = Callable[[int, int], None]
+"""Called with how many recordings are done, and how many there are."""
 MAX_RECORDINGS = 10_000  # Recordings in one folder.
 
 
 def measurable() -> dict[str, Quantity]:
     """Return the quantities that recordings can tell: of movement columns, of episodes, and what plug-ins recorded."""
-    return {
-        name: item
-        for name, item in QUANTITIES.items()
-        if item.over == "movement"
-        or (item.over == "episode" and "run" in item.steps and item.reduce != "count")
-        or "record" in item.steps
-    }
+    return {name: quantity for name, quantity in QUANTITIES.items() if _is_measurable(quantity)}
+
+
+def _is_measurable(quantity: Quantity) -> bool:
+    is_of_columns = quantity.over == "movement"
+    is_of_episodes = quantity.over == "episode" and "run" in quantity.steps and quantity.reduce != "count"
+    is_recorded = "record" in quantity.steps
+    return is_of_columns or is_of_episodes or is_recorded
 
 
 @takes("the folder of a recording", *PATH)
@@ -59,15 +61,17 @@ def measure_recordings(
         >>> [*table], table["right_hand_movement_units"]
         (['recording', 'infant', 'name', 'episode', 'seconds', 'right_hand_path_m', 'right_hand_movement_units'], [0])
     """
-    folder, known = Path(source).expanduser(), measurable()
+    folder = Path(source).expanduser()
+    known = measurable()
     for name in names:
         if name not in known:
             raise UnknownNameError("quantity of recordings", name, known)
-    rows, paths = [], recordings_in(folder)
+    rows = list[dict[str, Any]]()
+    paths = recordings_in(folder)
     for done, path in enumerate(paths):
         recording = read_recording(path)
-        where = path.relative_to(folder).as_posix() if path != folder else folder.name
-        rows += [{"recording": where, **_row(recording, episode, names or known)} for episode in recording]
+        label = _label(path, folder)
+        rows += [{"recording": label, **_row(recording, episode, names or known)} for episode in recording]
         progress(done + 1, len(paths))
     if not rows:
         raise RecordingError(f"{folder}: there are no episodes in this recording")
@@ -84,20 +88,26 @@ def recordings_in(folder: Path) -> list[Path]:
         raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
     if (folder / RECORDING).is_file():
         return [folder]
-    marks = [*islice(folder.rglob(RECORDING), MAX_RECORDINGS + 1)]
-    if not marks or len(marks) > MAX_RECORDINGS:
-        count = (
-            f"more than {MAX_RECORDINGS} recordings are in this folder; divide it"
-            if marks
-            else "there is no recording here"
-        )
-        raise RecordingError(f"{folder}: {count}")
-    return sorted(mark.parent for mark in marks)
+    descriptions = [*islice(folder.rglob(RECORDING), MAX_RECORDINGS + 1)]
+    if not descriptions:
+        raise RecordingError(f"{folder}: there is no recording here")
+    if len(descriptions) > MAX_RECORDINGS:
+        raise RecordingError(f"{folder}: more than {MAX_RECORDINGS} recordings are in this folder; divide it")
+    return sorted(description.parent for description in descriptions)
+
+
+def _label(path: Path, folder: Path) -> str:
+    """Return what a recording is called in a table: its path below the folder, or the folder's own name."""
+    return path.relative_to(folder).as_posix() if path != folder else folder.name
 
 
 def mean_measures(folder: Path, step: str) -> dict[str, Value]:
     """Return the quantities of movement columns that a step of a cohort measures, as means over episodes."""
-    quantities = {name: item for name, item in QUANTITIES.items() if item.over == "movement" and step in item.steps}
+    quantities = {
+        name: quantity
+        for name, quantity in QUANTITIES.items()
+        if quantity.over == "movement" and step in quantity.steps
+    }
     episodes = [measure_episode(episode, quantities) for episode in read_recording(folder)]
     values = {name: [row[name] for row in episodes if row[name] is not None] for name in quantities}
     return {name: float(np.mean(np.array(column, float))) for name, column in values.items() if column}
@@ -107,32 +117,39 @@ def measure_episode(episode: Episode, quantities: Mapping[str, Quantity]) -> dic
     """Return quantities of an episode by name; None for those that need what it does not have."""
     if not episode.steps:
         return dict.fromkeys(quantities)
-    success, step_s = np.flatnonzero(episode.infos.get("is_success", np.zeros(1)) == 1), ms_to_s(episode.step_ms)
-    duration_s = float(success[0] + 1 if success.size else episode.steps) * step_s
-    result = EpisodeResult(float(np.nansum(episode.rewards)), episode.steps, bool(success.size), duration_s)
+    success_steps = np.flatnonzero(episode.infos.get("is_success", np.zeros(1)) == 1)
+    steps = success_steps[0] + 1 if success_steps.size else episode.steps
+    duration_s = float(steps) * ms_to_s(episode.step_ms)
+    result = EpisodeResult(float(np.nansum(episode.rewards)), episode.steps, bool(success_steps.size), duration_s)
     columns = {"time_s": episode.time_s, **episode.movement}
-    return {name: _value(item, episode, columns, result) for name, item in quantities.items()}
+    return {name: _value(quantity, episode, columns, result) for name, quantity in quantities.items()}
 
 
-def _value(item: Quantity, episode: Episode, columns: Mapping[str, Any], result: EpisodeResult) -> Value:
-    if item.over == "episode":
-        return reduced(item, [getattr(result, item.key)])
-    if item.over == "step":
-        return reduced(item, episode.measures[item.name].tolist()) if item.name in episode.measures else None
+def _value(quantity: Quantity, episode: Episode, columns: Mapping[str, Any], result: EpisodeResult) -> Value:
+    if quantity.over == "episode":
+        return reduced(quantity, [getattr(result, quantity.key)])
+    if quantity.over == "step":
+        if quantity.name not in episode.measures:
+            return None
+        return reduced(quantity, episode.measures[quantity.name].tolist())
     try:
-        if item.compute is not None:
-            return function_of(item.compute, item.name)(columns)
-        values = np.asarray(columns[item.key], float)
+        if quantity.compute is not None:
+            return function_of(quantity.compute, quantity.name)(columns)
+        values = np.asarray(columns[quantity.key], float)
     except KeyError:
         return None
-    return REDUCERS[item.reduce](values[np.isfinite(values)].tolist())
+    return REDUCERS[quantity.reduce](values[np.isfinite(values)].tolist())
 
 
-def _row(recording: ReadRecording, episode: Episode, names: Any) -> dict[str, Any]:
+def _row(recording: ReadRecording, episode: Episode, names: Iterable[str]) -> dict[str, Any]:
     known = measurable()
-    which = {"infant": episode.infant, "name": recording.description.infants[episode.infant].name}
-    which |= {"episode": episode.number, "seconds": ms_to_s(episode.steps * episode.step_ms)}
-    return which | measure_episode(episode, {name: known[name] for name in names})
+    return {
+        "infant": episode.infant,
+        "name": recording.description.infants[episode.infant].name,
+        "episode": episode.number,
+        "seconds": ms_to_s(episode.steps * episode.step_ms),
+        **measure_episode(episode, {name: known[name] for name in names}),
+    }
 
 
 TOUCHES, LOOKS_AT = "touches", "looks at"
@@ -169,11 +186,13 @@ def contacts_and_gaze(source: str | Path, *, progress: Progress = lambda done, t
         [('anna', 'touches', 'ben', 0.0), ('anna', 'looks at', 'ben', 0.0), ('ben', 'touches', 'anna', 0.0), \
 ('ben', 'looks at', 'anna', 0.0)]
     """
-    folder, rows = Path(source).expanduser(), list[dict[str, Any]]()
+    folder = Path(source).expanduser()
+    rows = list[dict[str, Any]]()
     paths = recordings_in(folder)
     for done, path in enumerate(paths):
-        name, recording = path.relative_to(folder).as_posix() if path != folder else folder.name, read_recording(path)
-        rows += [{"recording": name, **row} for episode in recording for row in _rows(recording, episode)]
+        recording = read_recording(path)
+        label = _label(path, folder)
+        rows += [{"recording": label, **row} for episode in recording for row in _rows(recording, episode)]
         progress(done + 1, len(paths))
     if not rows:
         raise RecordingError(
@@ -186,7 +205,8 @@ def contacts_and_gaze(source: str | Path, *, progress: Progress = lambda done, t
 def _rows(recording: ReadRecording, episode: Episode) -> Iterator[dict[str, Any]]:
     """Yield how long an infant touches and looks at each other one in its world."""
     names = [recording.description.infants[number].name for number in recording.description.sharing(episode.infant)]
-    own, columns, step_s = recording.description.infants[episode.infant].name, episode.movement, episode.step_ms
+    own = recording.description.infants[episode.infant].name
+    columns = episode.movement
     touched = {name.removesuffix("_touches"): name for name in columns if name.endswith("_touches")}
     looked = {"": "gaze_at"} if "gaze_at" in columns else {}
     for other in names if episode.steps else ():
@@ -201,7 +221,6 @@ def _rows(recording: ReadRecording, episode: Episode) -> Iterator[dict[str, Any]
             together = np.any([np.zeros(episode.steps, bool), *found.values()], axis=0)
             whole = {(ANY if does == TOUCHES else "", ANY): together} if by_part else {}
             for (part, other_part), flags in {**whole, **found}.items():
-                seconds = ms_to_s(int(flags.sum()) * step_s)
                 yield {
                     "episode": episode.number,
                     "infant": own,
@@ -209,23 +228,29 @@ def _rows(recording: ReadRecording, episode: Episode) -> Iterator[dict[str, Any]
                     "part": part,
                     "other": other,
                     "other_part": other_part,
-                    "seconds": seconds,
+                    "seconds": ms_to_s(int(flags.sum()) * episode.step_ms),
                     "share": float(flags.mean()),
                     "times": int(np.count_nonzero(np.diff(flags, prepend=False) & flags)),
                 }
 
 
 def _parts_of(other: str, names: Sequence[str], texts: npt.NDArray[Any]) -> dict[str, Flags]:
-    """Return for each part of another infant that texts name when they do, by the part's name without the infant's."""
-    found, named = dict[str, Flags](), {text: _parts_in(text, other, names) for text in set(texts.tolist())}
-    for text, parts in named.items():
-        for part in parts:
+    """Return at which steps texts name a part of another infant, for each such part, by its name without the infant's.
+
+    Args:
+        other: Name of the other infant.
+        names: Names of all infants in the world.
+        texts: Names of things at each control step, shape (k,).
+    """
+    found = dict[str, Flags]()
+    for text in set(texts.tolist()):
+        for part in _parts_in(text, other, names):
             found[part] = found.get(part, np.zeros(len(texts), bool)) | (texts == text)
     return dict(sorted(found.items()))
 
 
 def _parts_in(text: str, other: str, names: Sequence[str]) -> list[str]:
-    """Return the parts of an infant in a list of things; `ben_2_head` is a part of `ben_2` if there is one."""
+    """Return the parts of the infant *other* in a list of things; `ben_2_head` is a part of `ben_2` if there is one."""
     parts = list[str]()
     for thing in text.split(APART):
         owners = [name for name in names if thing.startswith(f"{name}_")]

@@ -35,9 +35,9 @@ WORLD = "world: x and y horizontal, z up; of the last physics step that was comp
 class Values(NamedTuple):
     """The values of some columns at some times."""
 
-    numbers: FloatArray  # Of the columns that have numbers, shape (times, columns).
+    numbers: FloatArray  # Values of the columns that have numbers, shape (times, columns).
     texts: Sequence[tuple[str, ...]] = ()
-    """Of those that have names: for each time a tuple; none if there are no such columns."""
+    """Values of the columns that have names: a tuple for each time; none if there are no such columns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,14 +190,18 @@ def bind_parts(env: Infant) -> Group:
     centre of mass of the infant, as MuJoCo's `cvel` gives it.
     """
     parts, model = Parts.of(env), env.model
-    inside, bodies, root = _bodies_of_parts(parts), parts.bodies, int(model.body_rootid[parts.bodies[0]])
+    inside = _bodies_of_parts(parts)
+    bodies = parts.bodies
+    root = int(model.body_rootid[parts.bodies[0]])
     shares = np.array([np.isin(bodies, of_part) * model.body_mass[bodies] for of_part in inside.values()])
     shares /= shares.sum(axis=1, keepdims=True)
 
     columns = tuple(column for name in inside for column in _motion(name))
 
     def values(fields: Sequence[FloatArray], moments: object) -> Values:
-        places_m, spatial, about_m = fields[0][:, bodies], fields[1][:, bodies], fields[2][:, None]
+        places_m = fields[0][:, bodies]
+        spatial = fields[1][:, bodies]
+        about_m = fields[2][:, None]
         velocities = spatial[..., 3:] + np.cross(spatial[..., :3], places_m - about_m)
         motion = np.empty((len(places_m), len(shares), 7))
         motion[..., :3], motion[..., 3:6] = shares @ places_m, shares @ velocities
@@ -237,7 +241,9 @@ def bind_gaze(env: Infant) -> Group:
     if not len(eyes):
         return NO_COLUMNS
     parts, geom = Parts.of(env), np.zeros(1, np.int32)
-    data, cam_xpos, cam_xmat = env.data, env.data.cam_xpos, env.data.cam_xmat
+    data = env.data
+    cam_xpos = env.data.cam_xpos
+    cam_xmat = env.data.cam_xmat
     mean = np.bincount(eyes, minlength=model.ncam) / len(eyes)
     own_head = env.manifest.of_infant(head) if head else ""
     skipped = parts.things.index(own_head) if own_head in parts.things else -1
@@ -250,13 +256,15 @@ def bind_gaze(env: Infant) -> Group:
             further = mujoco.mj_ray(model, data, begin_m, towards, None, 1, excluded, geom)
             if further < 0:
                 return start_m, towards, math.nan, -1
-            times, thing = times + float(further) + _BEYOND, int(parts.thing_of_geom[int(geom[0])])
+            times = times + float(further) + _BEYOND
+            thing = int(parts.thing_of_geom[int(geom[0])])
             begin_m = start_m + times * towards
         return start_m, towards, times - _BEYOND, thing
 
     def values(fields: object, moments: Sequence[tuple[FloatArray, FloatArray, float, int]]) -> Values:
         start_m, towards, times = (np.array([item[index] for item in moments]) for index in range(3))
-        length, times = np.linalg.norm(towards, axis=1, keepdims=True), times[:, None]
+        length = np.linalg.norm(towards, axis=1, keepdims=True)
+        times = times[:, None]
         numbers = np.hstack([start_m + times * towards, times * length, towards / length])
         return Values(numbers, [(parts.things[thing] if thing >= 0 else "",) for *_, thing in moments])
 
@@ -307,7 +315,8 @@ def _place(name: str, what: str, source: str) -> list[Quantity]:
 
 
 def _motion(name: str, centre: tuple[str, str] = _CENTRE) -> list[Quantity]:
-    what, source = centre[0].format(name.replace("_", " ")), centre[1]
+    what = centre[0].format(name.replace("_", " "))
+    source = centre[1]
     return [
         *_place(name, *centre),
         *(
@@ -375,11 +384,11 @@ class _Touching:
         numbers, pairs = np.zeros((times, 2 * count + 3)), [()] * times
         contact, efc_force, time_of_contact = _joined(moments)
         if (forces := contact_forces(contact, efc_force, self._body_of_geom)) is not None:
-            part, other = (
-                self._part_of_body[forces.bodies],
-                self._thing_of_geom[contact.geom[forces.contacts]].sum(axis=1),
-            )
-            other, time, normal_n = other - part, time_of_contact[forces.contacts], forces.normal_forces_n[:, 0]
+            part = self._part_of_body[forces.bodies]
+            other = self._thing_of_geom[contact.geom[forces.contacts]].sum(axis=1)
+            other = other - part
+            time = time_of_contact[forces.contacts]
+            normal_n = forces.normal_forces_n[:, 0]
             pressing = (other != part) & (normal_n > 0)
             fixed = pressing & self._is_fixed[other]
             place = time * count + part
@@ -408,8 +417,10 @@ class _Touching:
 
 def _joined(moments: Sequence[Moment]) -> tuple[Any, FloatArray, IntArray]:
     fields = {name: np.concatenate([moment[index] for moment in moments]) for index, name in enumerate(_FIELDS)}
-    counts, rows = [len(moment[0]) for moment in moments], np.array([len(moment[-1]) for moment in moments])
-    first_row, time = np.cumsum(rows) - rows, np.repeat(np.arange(len(moments)), counts)
+    counts = [len(moment[0]) for moment in moments]
+    rows = np.array([len(moment[-1]) for moment in moments])
+    first_row = np.cumsum(rows) - rows
+    time = np.repeat(np.arange(len(moments)), counts)
     address = fields["efc_address"]
     fields["efc_address"] = np.where(address < 0, -1, address + first_row[time])
     nowhere = {"dist": np.zeros(len(time)), "pos": np.zeros((len(time), 3))}
@@ -451,7 +462,9 @@ _TORQUE = "torque of motors or muscles about the joint"
 
 def bind_actuators(env: Infant) -> Group:
     """Return what drives each muscle or motor: its activation, or the command of motors without one."""
-    actuation, drive, worlds = env.actuation, stack_terms([env.actuation.drive]), worlds_of_one(env.data)
+    actuation = env.actuation
+    drive = stack_terms([env.actuation.drive])
+    worlds = worlds_of_one(env.data)
     names = [env.model.actuator(index).name.rpartition(":")[2] for index in actuation.actuators]
 
     columns = [

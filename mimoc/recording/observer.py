@@ -129,7 +129,8 @@ class RecordedSimulation:
 
     def begin(self) -> None:
         """Begin an episode, which each infant joins."""
-        self.number, self.next_number = self.next_number, self.next_number + 1
+        self.number = self.next_number
+        self.next_number = self.next_number + 1
 
     def end(self, how: str) -> None:
         """End the episodes of all infants."""
@@ -159,7 +160,9 @@ class RecordingObserver(Observer):
         movement: Sequence[str],
     ):
         self.infant, self._shared, self._writer, self._stem_of = infant, shared, writer, stem_of
-        self._part_rows, self._states_every, self._about = part_rows, states_every, dict(about)
+        self._part_rows = part_rows
+        self._states_every = states_every
+        self._about = dict(about)
         self._movement = MovementReader(infant, movement)
         self._episode: _Episode | None = None
         self._measures = StepMeasures(infant, "record")
@@ -188,7 +191,8 @@ class RecordingObserver(Observer):
         self, seed: int | None, options: Mapping[str, Any], observation: Observation, info: Mapping[str, Any]
     ) -> None:
         """Begin an episode."""
-        shared, reset = self._shared, {"seed": seed, "options": dict(options), "before": {}}
+        shared = self._shared
+        reset = {"seed": seed, "options": dict(options), "before": {}}
         if self is shared.observers[0]:
             reset["before"] = lasting(shared.before, seed is not None)
         self._begin(reset, observation, info)
@@ -228,7 +232,8 @@ class RecordingObserver(Observer):
         if self._shared.has_states:
             episode.block.put_measures(self._measures.read(judged[3]))
         if is_keeper and self._shared.has_states:
-            self._shared.physics, self._shared.orders = self._physics_now(), {}
+            self._shared.physics = self._physics_now()
+            self._shared.orders = {}
             if episode.steps % self._states_every == 0:
                 episode.states.append({"step": episode.steps, "state": self.infant.get_state()})
         if judged[1] or judged[2]:
@@ -282,7 +287,9 @@ class RecordingObserver(Observer):
         sidecar |= {} if episode.parts else episode.head
         stem = part_stem(self._stem_of(episode.number), episode.parts)
         self._writer(partial(_write, stem, episode.block, self._described, sidecar))
-        episode.parts, episode.changes, episode.states = episode.parts + 1, [], []
+        episode.parts = episode.parts + 1
+        episode.changes = []
+        episode.states = []
 
     def _change(self, what: str, value: Any) -> None:
         keeper = self._shared.keeper

@@ -20,7 +20,7 @@ from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes
 from mimoc.recording.tables import MEASURE, OPTIONAL
 from mimoc.recording.video import PICTURES_SUFFIX, read_pictures
 
-LISTS = ACTION, MOVEMENT, MOVEMENT_NAMES  # Columns of the files that stand for several.
+LISTS = ACTION, MOVEMENT, MOVEMENT_NAMES  # Columns of the files, each of which holds several columns.
 
 
 @dataclass(frozen=True)
@@ -191,19 +191,23 @@ class Episode:
         """
         columns = {name: self.column(name) for name in self.table.column_names if name not in LISTS and "." not in name}
         columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(OPTIONAL)}
-        usual = [MOVEMENT, "action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
-        for name in names or usual:
+        dense = [reading.name for reading in self.described.readings if reading.kind == "dense"]
+        for name in names or (MOVEMENT, ACTION, *dense):
             if name == MOVEMENT:
                 columns |= self.movement
                 continue
-            if name != "action" and self.reading(name).kind == "picture":
-                numbers = [reading.name for reading in self.described.readings if reading.kind != "picture"]
-                raise UnknownNameError("recorded observation of numbers", name, numbers)
-            array = self.column("action") if name == "action" else self.observation(name)
+            array = self.column(ACTION) if name == ACTION else self._observation_of_numbers(name)
             flat = array.reshape(len(array), -1)
             layout = self.layout(name) or [f"{index}" for index in range(flat.shape[1])]
             columns |= {f"{name}: {label}": flat[:, index] for index, label in enumerate(layout)}
         return columns
+
+    def _observation_of_numbers(self, name: str) -> Array:
+        """Return one array of what was observed; UnknownNameError if it is one of pictures, or there is none."""
+        if self.reading(name).kind == "picture":
+            numbers = [reading.name for reading in self.described.readings if reading.kind != "picture"]
+            raise UnknownNameError("recorded observation of numbers", name, numbers)
+        return self.observation(name)
 
     @property
     def options(self) -> Mapping[str, Any]:
@@ -310,7 +314,7 @@ class ReadRecording(Sequence[Episode]):
         """Return the number of an infant that is given by its number or its name."""
         if isinstance(infant, int) or infant.isdecimal():
             return int(infant)
-        names = [item.name for item in self.description.infants]
+        names = [recorded.name for recorded in self.description.infants]
         check_name("name of an infant of this recording", infant, names)
         if names.count(infant) > 1:
             raise RecordingError(f"{self.path}: several infants are named '{infant}'; give the number of one of them")
@@ -326,8 +330,8 @@ class ReadRecording(Sequence[Episode]):
         sharing = self.description.sharing(episode.infant)
         if len(sharing) == 1:
             return (episode,)
-        run = [one for one in self.episodes if one.infant in sharing and one.number == episode.number]
-        return tuple(sorted(run, key=lambda one: not one.sidecar.start))
+        run = [other for other in self.episodes if other.infant in sharing and other.number == episode.number]
+        return tuple(sorted(run, key=lambda other: not other.sidecar.start))
 
     def whole_bundle(self, infant: int = 0) -> Bundle | WorldBundle:
         """Return the bundle of an infant, or of the world that it shares with others."""
@@ -349,7 +353,8 @@ class ReadRecording(Sequence[Episode]):
         Raises:
             RecordingError: If it is missing, damaged, or another one.
         """
-        whole, name = self.whole_bundle(infant), self.description.infants[infant].name
+        whole = self.whole_bundle(infant)
+        name = self.description.infants[infant].name
         if isinstance(whole, Bundle):
             return whole
         if name not in whole.infants:
@@ -401,11 +406,12 @@ def read_recording(folder: str | Path) -> ReadRecording:
 
 
 def _check(episode: Episode, description: Description) -> None:
-    sidecar, place = episode.sidecar, episode.files.sidecars[0]
+    sidecar = episode.sidecar
+    place = episode.files.sidecars[0]
     if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
         raise RecordingError(f"{place}: this is an episode of another infant or recording")
     for name, kept in (("changes", sidecar.changes), ("states", sidecar.states)):
-        if late := [item.step for item in kept if item.step >= sidecar.rows]:
+        if late := [entry.step for entry in kept if entry.step >= sidecar.rows]:
             raise RecordingError(f"{place}: {name}: there is no control step {late[0]} in this episode")
     for reading in episode.described.readings:
         if reading.kind == "picture":

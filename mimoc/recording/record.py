@@ -49,7 +49,8 @@ class SoundTrack:
     def __init__(self, infant: Infant):
         self._infant, listener = infant, _hearing(infant).listener
         self.rate_hz = round(listener.rate_hz)
-        self._index, self._blocks = listener.index, list[npt.NDArray[np.float32]]()
+        self._index = listener.index
+        self._blocks = list[npt.NDArray[np.float32]]()
 
     def hear(self) -> None:
         """Take what has reached the ears since the last time; call this after each control step."""
@@ -104,7 +105,9 @@ class VideoFrames:
         self._open()
 
     def _open(self) -> None:
-        env, height_px, vision = self._env, self._height_px, self._env.manifest.senses.vision
+        env = self._env
+        height_px = self._height_px
+        vision = self._env.manifest.senses.vision
         self._data = env.data
         self._observed = vision.cameras if self._eyes and vision else ()
         """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
@@ -112,7 +115,8 @@ class VideoFrames:
         roots = [one.manifest.root_body for one in env.simulation.infants.values()]
         manifest = env.simulation.bundle.manifest
         view = view_of_scene(FROM_THE_SIDE, manifest, roots, env.data)
-        size_px, beside = (round(SHAPE * height_px), height_px), company(manifest, roots, env.data)
+        size_px = (round(SHAPE * height_px), height_px)
+        beside = company(manifest, roots, env.data)
         self.camera = BodyCamera(env.model, roots, *size_px, view, margin=SPACE, shown=self._shown, beside=beside)
         self.camera.turn(env.data)
         self._goal = self.camera.shot(env.data)
@@ -141,7 +145,9 @@ class VideoFrames:
     def _followed(self) -> Shot:
         """Return the next shot: the previous one, unless the infant leaves it or becomes small in it."""
         data, aspect = self._env.data, self.camera.aspect
-        spheres, wanted, passed_s = self.camera.spheres(data), self.camera.shot(data), data.time - self._time_s
+        spheres = self.camera.spheres(data)
+        wanted = self.camera.shot(data)
+        passed_s = data.time - self._time_s
         if self.shot is None or passed_s < 0:  # A new episode: cut.
             self._goal = wanted
             return wanted
@@ -155,7 +161,8 @@ class VideoFrames:
 
 def _sharp_eyes(env: Infant, size_px: int, shown: Shown) -> Eyes:
     """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way."""
-    model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
+    model = env.model
+    cameras = [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
         raise RenderingError(f"'{env.manifest.name}' has no eyes; record it without their views")
     bodies = model.cam_bodyid[[model.camera(camera).id for camera in cameras]]
@@ -258,7 +265,8 @@ def record(
     infants = infants_of("record", env)
     if infant is not None:
         check_name("name of an infant of this environment", infant, infants)
-    run, step_ms = Run(env, policy, seed), next(iter(infants.values())).manifest.step_ms
+    run = Run(env, policy, seed)
+    step_ms = next(iter(infants.values())).manifest.step_ms
     with film_of(file, step_ms, infant=infant, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as film:
         film(infants, run.observations)
         for done in range(1, steps + 1):

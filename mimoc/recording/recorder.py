@@ -31,7 +31,7 @@ from mimoc.schema.kinds import MOVEMENT_GROUPS
 PART_ROWS = 1000  # Control steps in a part of an episode: what a kill can lose.
 MIN_ROWS = 16
 STATES_EVERY = 1000  # Control steps from one complete state to the next.
-MOVEMENT_BYTES = 2**13  # Of what movement columns need of a row: 4 to 10 kB.
+MOVEMENT_BYTES = 2**13  # Assumed size of the movement columns of a row, which need 4 to 10 kB.
 ROOM_BYTES = 2**28  # Memory for what is not yet written of all infants together.
 
 
@@ -123,14 +123,16 @@ class Recording(AbstractContextManager):
                 math.prod(space.shape) * space.dtype.itemsize for space in spaces_of(infant).values()
             )
             rows = min(part_rows, max(MIN_ROWS, ROOM_BYTES // (len(self._infants) * row_bytes)))
-            stem_of, one = partial(folder.stem, number), shared[id(infant.simulation)]
+            stem_of = partial(folder.stem, number)
+            one = shared[id(infant.simulation)]
             infant.observer = RecordingObserver(
                 infant, one, self._writer, stem_of, rows, states_every, said, self._movement
             )
         return recorded
 
     def _next_numbers(self) -> list[int]:
-        numbers, description = self._folder.next_numbers(), self._folder.description
+        numbers = self._folder.next_numbers()
+        description = self._folder.description
         firsts = dict.fromkeys(description.sharing(infant) for infant in range(len(numbers)))
         return [max(numbers[infant] for infant in sharing) for sharing in firsts]
 
@@ -261,7 +263,9 @@ class DeviceInfant:
 
     def __init__(self, env: Any, world: int):
         self._env, self._world = env, world
-        self.infants, self.simulation, self.observation_space = {"": self}, self, env.single_observation_space
+        self.infants = {"": self}
+        self.simulation = self
+        self.observation_space = env.single_observation_space
         spaces = env.single_observation_space.spaces
         self.seen: Observation = {name: np.zeros(space.shape, space.dtype) for name, space in spaces.items()}
 
@@ -303,7 +307,8 @@ class DeviceRecorder(Closing, VectorWrapper):
         """Start episodes; see the environment."""
         observed, info = self.env.reset(seed=seed, options=options)
         count, observation = len(self._infants), _arrays(observed)
-        seeds, given = seeds_of(seed, count), options_of(options or {}, count)
+        seeds = seeds_of(seed, count)
+        given = options_of(options or {}, count)
         self._look()
         for world in reset_indices(options or {}, count) or ():
             self._begin(world, observation, _info_of(info, world), seeds[world], given[world])
@@ -316,7 +321,8 @@ class DeviceRecorder(Closing, VectorWrapper):
         result = self.env.step(actions)
         if self._begun:
             observed, rewards, terminated, truncated, info = result
-            observation, judged = _arrays(observed), [_array(part) for part in (rewards, terminated, truncated)]
+            observation = _arrays(observed)
+            judged = [_array(part) for part in (rewards, terminated, truncated)]
             info, given = _arrays(info), _array(actions)
             last = info.get("final_obs", {})
             self._look()

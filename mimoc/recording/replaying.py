@@ -202,7 +202,9 @@ class _Replay:
         self._simulation: Simulation = env.simulation
         self._whole = env if ALONE in self._simulation.infants else env.simulation
         """Has complete states as they are recorded."""
-        self._infants, self._watch, self._progress = self._simulation.infants, watch, progress
+        self._infants = self._simulation.infants
+        self._watch = watch
+        self._progress = progress
         if missing := [name for name in names.values() if name not in self._infants]:
             raise RecordingError(f"{run[0].files.sidecars[0]}: there is no infant '{missing[0]}' in this world")
         self._compared = {names[one.infant]: _Comparison(self._infants[names[one.infant]], one) for one in run}

@@ -135,9 +135,9 @@ def _shown(text: object) -> str:
 
 
 SMALL_BYTES, MAX_RATIO = 2**29, 100  # What a file may hold however small it is, and how many times its size.
-MAX_DENSE_RATIO = 2**10  # The same of arrays with all the zeros that a sparse column leaves out.
-MAX_BYTES = 2**40  # Of a file.
-LEVEL = -4  # Of zstd: a third faster than 1, for files that are a tenth larger.
+MAX_DENSE_RATIO = 2**10  # The same ratio for arrays with all the zeros that a sparse column leaves out.
+MAX_BYTES = 2**40  # Largest size of a file.
+LEVEL = -4  # Compression level of zstd: a third faster than 1, for files that are a tenth larger.
 SPLIT = ("float", "double")  # Types whose bytes are compressed apart: floats of one quantity share signs and exponents.
 
 

@@ -31,11 +31,11 @@ QUALITY = {"crf": "20"}  # Constant quality of H.264, with hardly visible losses
 SMALL = {"crf": "26", "preset": "veryfast", "bf": "0"}
 """Settings of H.264 for what eyes saw: small, and pictures stand in the order in which they are shown."""
 CONTAINER, LOSSLESS = "matroska", "ffv1"  # Names of container and codec of the pictures of a recording.
-MIN_PX = 4  # Of each side of a picture that FFV1 can cut into slices, as it does by itself.
+MIN_PX = 4  # Smallest side of a picture that FFV1 can cut into slices, as it does by itself.
 SETTINGS = {"level": "3", "coder": "1", "context": "1", "g": "50"}
-"""Of FFV1: range coder, large context, and what it has learned of the pictures is kept for that many of them, which are
-decoded to reach the last one. The eyes of an infant that moves take 6.6 % of the raw size, where pictures coded one by
-one take 8.2 %, PNG 10 % and the columns of a table, compressed by zstd, 11 to 14 %."""
+"""Settings of FFV1: range coder, large context, and what it has learned of the pictures is kept for that many of them,
+which are decoded to reach the last one. The eyes of an infant that moves take 6.6 % of the raw size, where pictures
+coded one by one take 8.2 %, PNG 10 % and the columns of a table, compressed by zstd, 11 to 14 %."""
 GIF_TICKS_HZ = 100  # A GIF measures time in hundredths of a second.
 GIF_COLOURS = 256
 GIF_SAMPLES = 16  # Number of frames that the colours of a GIF are chosen from.
@@ -211,7 +211,7 @@ def require_av() -> Any:
 PICTURES_SUFFIX = ".mkv"
 SMALL_BYTES, MAX_RATIO = 2**28, 1000
 """What pictures may take however small their file is, and how many times its size."""
-MAX_BYTES = 2**29  # Of a video, besides twice its pictures.
+MAX_BYTES = 2**29  # Largest size of a video, besides twice its pictures.
 
 
 def write_pictures(path: Path, pictures: Picture, rate_hz: Fraction) -> None:
@@ -247,7 +247,8 @@ def decoded(path: Path, shape: Sequence[int], most: int) -> Iterator[Picture]:
     The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open. A file
     that is far too large for so many pictures is not searched for them.
     """
-    av, most_bytes = require_av(), MAX_BYTES + 2 * math.prod(shape) * most
+    av = require_av()
+    most_bytes = MAX_BYTES + 2 * math.prod(shape) * most
     # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.
     damage = av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError
     with opened(path, most_bytes, *damage) as file, av.open(file, format=CONTAINER) as container:

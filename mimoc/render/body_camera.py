@@ -86,21 +86,23 @@ class BodyCamera:
         shown: Shown = "skin",
         cut_out: bool = False,
         beside: Sequence[str] = (),
-        as_it_is: bool = False,
+        static_materials: bool = False,
     ):
         """Open an OpenGL context for pictures of this size, or raise a RenderingError.
 
         A picture is the mean of *exposure* drawings; the field of view is wider than what it shows by *margin*.
         *cut_out* shows nothing else, on a transparent background, and changes the model. *beside* are other outermost
-        bodies in the picture. *as_it_is* says that nothing gets another material later, as a face does with another
-        expression: to open takes a third of the time then.
+        bodies in the picture. *static_materials* says that nothing gets another material later, as a face does with
+        another expression: to open takes a third of the time then.
         """
         self._model, self.view, self._fovy_deg, self._margin = model, view, fovy_deg, margin
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
         self.aspect, self._height_px = width_px / height_px, height_px
         """Width of the pictures over their height."""
         self._shown: Shown = shown
-        self._exposure, self._cut_out, self._outdoors = exposure, cut_out, is_outdoors(model)
+        self._exposure = exposure
+        self._cut_out = cut_out
+        self._outdoors = is_outdoors(model)
         if cut_out:  # What is beside them is not drawn then.
             model.geom_group[~self._seen] = HIDDEN_GROUP
         else:
@@ -109,7 +111,9 @@ class BodyCamera:
         others = drawn_geoms(model, shown) & ~self._seen & (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)
         self._crowd_m = CROWD_M if others.any() else 0.0
         shadows_px = CROWD_PX if others.any() or not self._outdoors else exposure.shadows_px
-        self._renderer = Renderer(model, width_px, height_px, partial(_settings, shown, as_it_is, shadows_px), shown)
+        self._renderer = Renderer(
+            model, width_px, height_px, partial(_settings, shown, static_materials, shadows_px), shown
+        )
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model of the same parts from now on; raise a RenderingError if OpenGL has no room for it."""
@@ -127,7 +131,8 @@ class BodyCamera:
 
     def shot(self, data: mujoco.MjData, spheres: Spheres | None = None) -> Shot:
         """Return the shot that shows all of it, or some spheres."""
-        walls, shown = planes_of(self._model, data), spheres or self.spheres(data)
+        walls = planes_of(self._model, data)
+        shown = spheres or self.spheres(data)
         return fit_shot(shown, walls, self.view, self.aspect, self._fovy_deg, self._margin)
 
     def drawn(self, data: mujoco.MjData, bodies: Sequence[str]) -> Spheres:
@@ -182,7 +187,7 @@ class BodyCamera:
         self._renderer.context.shadowClip = around_m
 
 
-def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjModel) -> list[Setting]:
+def _settings(shown: Shown, static_materials: bool, shadows_px: int, model: mujoco.MjModel) -> list[Setting]:
     outdoors, quality = is_outdoors(model), model.vis.quality
     shadows_px = min(quality.shadowsize, shadows_px)
     settings: list[Setting] = [(quality, "offsamples", 0), (quality, "shadowsize", shadows_px)]
@@ -190,8 +195,8 @@ def _settings(shown: Shown, as_it_is: bool, shadows_px: int, model: mujoco.MjMod
     if outdoors:
         colours = backdrop_colours(model)
         settings += [(model, "tex_data", colours), (model.vis.rgba, "fog", (*BACKGROUND, 1.0))]
-    if as_it_is:
-        # Of a plain sky, a pixel is enough.
+    if static_materials:
+        # One pixel of a plain sky is enough.
         materials = np.concatenate([model.geom_matid[drawn_geoms(model, shown)], model.skin_matid])
         used = np.isin(np.arange(model.ntex), model.mat_texid[materials[materials >= 0]])
         settings += lean_textures(
@@ -207,9 +212,9 @@ def drawn_geoms(model: mujoco.MjModel, shown: Shown) -> npt.NDArray[np.bool_]:
 
 BACKGROUND: Colour = (0.937, 0.928, 0.914)
 FLOOR: tuple[Colour, Colour] = (1.0, 0.992, 0.976), (0.984, 0.976, 0.96)
-"""Of the fields of the floor, before light falls on it: two that hardly differ (D)."""
+"""Colours of the fields of the floor, before light falls on it: two that hardly differ (D)."""
 FADES_WITHIN = 1.6
-"""Over what distance the floor fades behind what is shown, as a share of that from the camera to there (D)."""
+"""Distance over which the floor fades behind what is shown, as a share of that from the camera to there (D)."""
 SKY, MAT = "sky", "mat"  # Names of textures in `templates/scene.xml.j2`.
 
 
@@ -298,7 +303,7 @@ RADIUS_IN_SPACINGS = 0.16  # Radius of a marker, as a share of the spacing of th
 MAX_RADIUS_M = 0.0025  # Or those of trunk and legs would hide what they are on.
 ENLARGEMENT = 1.6  # How much larger the markers of points under force are.
 UNLOADED = (0.05, 0.2, 0.75, 1.0)
-LEAST, MOST = (1.0, 0.85, 0.1, 1.0), (0.85, 0.0, 0.1, 1.0)
+LEAST_LOADED, MOST_LOADED = (1.0, 0.85, 0.1, 1.0), (0.85, 0.0, 0.1, 1.0)
 """Colours of points under no force, under the least and under the largest, as red, green, blue and opacity."""
 
 
@@ -309,7 +314,9 @@ def force_markers(positions_m: FloatArray, forces_n: FloatArray, spacings_m: Flo
     """
     radii_m = np.minimum(RADIUS_IN_SPACINGS * spacings_m, MAX_RADIUS_M)
     share = (forces_n / max(forces_n.max(), 1e-12))[:, None]  # The scale of colours ends with the largest force.
-    colours = np.where(share > 0, np.array(LEAST) + share * np.subtract(MOST, LEAST), UNLOADED).astype(np.float32)
+    colours = np.where(
+        share > 0, np.array(LEAST_LOADED) + share * np.subtract(MOST_LOADED, LEAST_LOADED), UNLOADED
+    ).astype(np.float32)
     return Markers(positions_m, np.where(forces_n > 0, ENLARGEMENT, 1) * radii_m, colours)
 
 

@@ -15,7 +15,7 @@ from mimoc.render.renderer import Shown
 View = tuple[float, float]  # Azimuth and elevation of the direction that a camera looks in, [deg].
 FROM_THE_SIDE: View = (160.0, -12.0)  # From the front of an infant, a little to its right and above.
 FROM_THE_FRONT: View = (180.0, -4.0)
-FROM_ABOVE: View = (160.0, -25.0)  # As one looks at what lies around an infant.
+FROM_ABOVE: View = (160.0, -25.0)  # For what lies around an infant.
 RAISED_DEG = 48.0
 """How much higher the camera stands for an infant that lies, so that more of it shows than its feet or its crown."""
 FOVY_DEG = 24.0
@@ -23,7 +23,7 @@ FOVY_DEG = 24.0
 WIDEST_DEG = 100.0
 MARGIN = 1.06  # How much wider the field of view is than what it has to show, if nothing else is said.
 CLEARANCE_M = 0.05  # The least distance of a camera from a wall.
-PRECISION_DEG = 0.02  # Of the narrowest field of view with which a camera is clear of the walls.
+PRECISION_DEG = 0.02  # Precision of the narrowest field of view with which a camera is clear of the walls.
 TURNS_DEG = (0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180)  # Other directions to look from, the best first.
 TURN_COST = 0.2  # How many degrees wider the field of view may be if the camera then turns by one degree less.
 BEHIND_COST = 360.0  # More than anything else costs: no camera looks through a wall if there is another way.
@@ -57,7 +57,7 @@ class Planes:
 class Shot:
     """A camera's position, direction and field of view."""
 
-    position_m: FloatArray  # Of the camera, shape (3,), in the world.
+    position_m: FloatArray  # The camera's position, shape (3,), in the world.
     depth_m: float  # Distance along its axis to the middle of what it shows.
     view: View
     fovy_deg: float
@@ -110,18 +110,23 @@ def _closest_shot(spheres: Spheres, view: View, aspect: float, fovy_deg: float, 
 
     Along a camera's axes, a sphere at (a, x, y) of radius r is between two sides of the field of view of a camera at
     (a0, x0, y0), which sees to h on either side, if |x - x0| + r / cos h <= (a - a0) tan h.
+
+    With s = r / cos h - a tan h, the two sides ask for x0 - a0 tan h >= max(x + s) and -x0 - a0 tan h >= max(s - x),
+    each over all spheres. The closest camera meets both with equality: x0 is half of the difference of the two maxima,
+    and a0 is minus half of their sum, divided by tan h. The same holds for y. Of the two directions, the one that needs
+    more distance decides.
     """
     axes = camera_axes(view)
     ahead, *across = axes @ spheres.centres_m.T
     tan_vertical = np.tan(np.radians(fovy_deg) / 2) / margin
-    position, backs = [], []
+    sideways, backs = [], []
     for offset, tan in zip(across, (tan_vertical * aspect, tan_vertical), strict=True):
-        reach = spheres.radii_m * np.hypot(1, tan) - ahead * tan
-        one, other = (offset + reach).max(), (reach - offset).max()
-        position.append((one - other) / 2)
-        backs.append(-(one + other) / (2 * tan))
+        s = spheres.radii_m * np.hypot(1, tan) - ahead * tan
+        upper, lower = (offset + s).max(), (s - offset).max()
+        sideways.append((upper - lower) / 2)
+        backs.append(-(upper + lower) / (2 * tan))
     back = min(backs)
-    return Shot(np.array([back, *position]) @ axes, float(ahead.mean() - back), view, fovy_deg)
+    return Shot(np.array([back, *sideways]) @ axes, float(ahead.mean() - back), view, fovy_deg)
 
 
 def shows(shot: Shot, spheres: Spheres, aspect: float) -> bool:
@@ -152,8 +157,8 @@ def view_of_body(view: View, data: mujoco.MjData, body: str) -> View:
     One that lies is seen from above: from beyond its feet if it is on its back, from beyond its head if on its face.
     """
     world_from_body = data.body(body).xmat.reshape(3, 3)
-    across_x, across_y = world_from_body[:2, 1]  # Its left, which stays level.
-    lying = float(world_from_body[2, 0])  # 1 on its back, -1 on its face.
+    across_x, across_y = world_from_body[:2, 1]  # The body's left stays level.
+    lying = float(world_from_body[2, 0])  # This is 1 on its back and -1 on its face.
     azimuth, elevation = view
     return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation - RAISED_DEG * lying**2
 
@@ -192,15 +197,15 @@ def camera_axes(view: View) -> FloatArray:
 
 
 FILLED = 0.78  # Share of a portrait's height or width that an infant takes.
-FILLED_BY_HEAD = 0.84  # Of that of a head alone.
+FILLED_BY_HEAD = 0.84  # Share of a portrait of a head alone that the head takes.
 FACE_ASIDE, FACE_AHEAD, LOW_DEG = 128.0, 147.0, -18.0
 """Azimuths and elevation of the view of an infant on its belly or on all fours, from beyond its head and to its right,
 if its face lies to a side, and if it looks ahead (D)."""
 ABOVE_DEG = -78.0  # Elevation of the view of an infant on its back, which shows its face and not its chin (D).
 FACE_TO_FACE: View = (-20.0, -6.0)
 """View of a head: how far it is turned from the camera, and the camera's elevation if it is upright (D)."""
-SIDEWAYS = 0.35  # Of the direction of a face along an infant's left, from which on it looks to a side.
-VERTICAL = 0.75  # Of the direction of a face along the vertical, from which on it looks up or down.
+SIDEWAYS = 0.35  # Component of a face's direction along the infant's left from which on it looks to a side.
+VERTICAL = 0.75  # Component of a face's direction along the vertical from which on it looks up or down.
 STEEP_DEG, LEVEL_DEG = 75.0, 4.0  # Elevation of a camera above a face that looks up, and the least above any face.
 
 
@@ -209,7 +214,7 @@ def portrait_view(data: mujoco.MjData, root: str, head: str | None) -> View:
 
     One that lies on its face is seen from where it looks, and not from far above.
     """
-    lying = float(_axis(data, root, 0)[2])  # 1 on its back, -1 on its face.
+    lying = float(_axis(data, root, 0)[2])  # This is 1 on its back and -1 on its face.
     if lying > -0.5:
         azimuth, elevation = view_of_body(FROM_THE_SIDE, data, root)
         return azimuth, min(elevation, ABOVE_DEG) if lying > 0.5 else elevation
@@ -221,11 +226,12 @@ def portrait_view(data: mujoco.MjData, root: str, head: str | None) -> View:
 
 def view_of_head(data: mujoco.MjData, head: str) -> View:
     """Return the direction that shows a head from before it, a little to its right and above."""
-    ahead, crown = _axis(data, head, 0), _axis(data, head, 2)
+    ahead = _axis(data, head, 0)
+    crown = _axis(data, head, 2)
     turned_deg, elevation = FACE_TO_FACE
     if ahead[2] > VERTICAL:
         return _azimuth_deg(crown) + turned_deg, -STEEP_DEG
-    if ahead[2] < -VERTICAL:  # From before its crown, as low as can be.
+    if ahead[2] < -VERTICAL:  # The camera stands before its crown, as low as it may.
         return _azimuth_deg(-crown) + turned_deg, -LEVEL_DEG
     level_deg = float(np.degrees(np.arcsin(np.clip(ahead[2], -1, 1))))
     return _azimuth_deg(-ahead) + turned_deg, min(elevation - level_deg, -LEVEL_DEG)
@@ -247,7 +253,7 @@ def drawn_spheres(
     drawn: npt.NDArray[np.bool_],
     shown: Shown,
 ) -> Spheres:
-    """Return what is drawn of some bodies, and of those that hang on them, as spheres, some of no size."""
+    """Return what is drawn of the given bodies, and of those below them, as spheres; vertices have a radius of 0."""
     held = in_subtrees(model, [model.body(body).id for body in bodies])
     vertices_m = np.reshape(scene.skinvert, (-1, 3))
     skins = [
@@ -262,7 +268,8 @@ def drawn_spheres(
 
 
 def _bones(model: mujoco.MjModel, skin: int) -> npt.NDArray[np.int32]:
-    start, count = model.skin_boneadr[skin], model.skin_bonenum[skin]
+    start = model.skin_boneadr[skin]
+    count = model.skin_bonenum[skin]
     return model.skin_bonebodyid[start : start + count]
 
 
@@ -273,9 +280,10 @@ ELLIPSOID, CYLINDER = mujoco.mjtGeom.mjGEOM_ELLIPSOID, mujoco.mjtGeom.mjGEOM_CYL
 
 
 def tight_spheres(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray[np.bool_]) -> Spheres:
-    """Return spheres that some geoms, shape (ngeom,), lie between.
+    """Return spheres whose convex hull contains the geoms that are given, shape (ngeom,).
 
-    They are a sphere itself, the ends of a capsule, and the corners of the box around anything else.
+    They are a sphere itself, the two ends of a capsule, and, with a radius of 0, the corners of the box around any
+    other geom.
     """
     parts = [_of_geom(model, data, number) for number in np.flatnonzero(geoms).tolist()]
     if not parts:
@@ -284,7 +292,8 @@ def tight_spheres(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray
 
 
 def _of_geom(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> Spheres:
-    kind, size_m = model.geom_type[number], model.geom_size[number]
+    kind = model.geom_type[number]
+    size_m = model.geom_size[number]
     if kind == SPHERE:
         local_m, radius_m = np.zeros((1, 3)), size_m[0]
     elif kind == CAPSULE:
@@ -296,7 +305,7 @@ def _of_geom(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> Spheres
 
 
 def lowest_m(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray[np.bool_]) -> float:
-    """Return the height of the lowest point of some geoms, shape (ngeom,)."""
+    """Return the height of the lowest point of the geoms that are given, shape (ngeom,)."""
     return min(
         float(data.geom_xpos[number, 2]) - _drop_m(model, data, number) for number in np.flatnonzero(geoms).tolist()
     )
@@ -304,14 +313,15 @@ def lowest_m(model: mujoco.MjModel, data: mujoco.MjData, geoms: npt.NDArray[np.b
 
 def _drop_m(model: mujoco.MjModel, data: mujoco.MjData, number: int) -> float:
     """Return how far a geom reaches below its origin: the support function of its kind for straight down."""
-    down = data.geom_xmat[number].reshape(3, 3)[2]  # Of its axes; the sign does not matter, but for meshes.
-    kind, (first, second, _) = model.geom_type[number], model.geom_size[number]
+    vertical = data.geom_xmat[number].reshape(3, 3)[2]  # The world's z axis in the geom's axes.
+    kind = model.geom_type[number]
+    size_m = model.geom_size[number]
     if kind == SPHERE:
-        return float(first)
+        return float(size_m[0])
     if kind == CAPSULE:
-        return float(first + second * abs(down[2]))
+        return float(size_m[0] + size_m[1] * abs(vertical[2]))
     if kind == ELLIPSOID:
-        return float(np.linalg.norm(model.geom_size[number] * down))
+        return float(np.linalg.norm(size_m * vertical))
     if kind == CYLINDER:
-        return float(first * np.hypot(down[0], down[1]) + second * abs(down[2]))
-    return float((np.abs(down) * model.geom_aabb[number, 3:]).sum() - down @ model.geom_aabb[number, :3])
+        return float(size_m[0] * np.hypot(vertical[0], vertical[1]) + size_m[1] * abs(vertical[2]))
+    return float((np.abs(vertical) * model.geom_aabb[number, 3:]).sum() - vertical @ model.geom_aabb[number, :3])

@@ -8,7 +8,7 @@ from typing import ClassVar
 from mimoc.base.quantity import Quantity
 from mimoc.render.plots import Numbers, Plot, Range, Ticks
 
-DECIMALS = 1  # Of coordinates, in units of the drawing, which are pixels on most screens.
+DECIMALS = 1  # Decimals of coordinates, in units of the drawing, which are pixels on most screens.
 
 Point = tuple[float, float]  # Right and down, in units of the drawing.
 
@@ -91,7 +91,8 @@ def draw_svg(plot: Plot) -> Drawing:
     right = NOTES if plot.notes else RIGHT
 
     def at(across: float, up: float) -> Point:
-        share, height = (across - x[0]) / (x[1] - x[0]), (up - y[0]) / (y[1] - y[0])
+        share = (across - x[0]) / (x[1] - x[0])
+        height = (up - y[0]) / (y[1] - y[0])
         return LEFT + share * (WIDTH - LEFT - right), HEIGHT - BOTTOM - height * (HEIGHT - TOP - BOTTOM)
 
     def points(xs: Numbers, ys: Numbers) -> list[Point]:
@@ -137,7 +138,8 @@ def ticks(low: float, high: float, most: int = MAX_TICKS) -> Ticks:
     least = (high - low) / most
     power = 10.0 ** math.floor(math.log10(least))
     step = next((factor * power for factor in (1, 2, 5) if factor * power >= least * (1 - 1e-9)), 10 * power)
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    first = math.ceil(low / step - 1e-9)
+    last = math.floor(high / step + 1e-9)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
     return [
         (number * step, f"{number * step + 0.0:,.{decimals}f}".replace("-", MINUS)) for number in range(first, last + 1)

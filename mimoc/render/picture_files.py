@@ -110,8 +110,8 @@ def _label(text: str, width: int, height: int, font_px: int) -> Image.Image:
     return label
 
 
-LENGTHS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Of bars: the longest that fits, or the shortest.
-SHARE = 0.3  # Of the width of a picture that a bar takes at most.
+LENGTHS_CM = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # Lengths of bars: the longest that fits, or the shortest.
+SHARE = 0.3  # Largest share of the width of a picture that a bar takes.
 COLOUR, RIM = (20, 20, 20, 255), (255, 255, 255, 255)  # Dark with a light rim, which shows on any background.
 LETTERS = 0.04  # Height of the letters, as a share of the picture's.
 LETTERS_PX = 9, 60

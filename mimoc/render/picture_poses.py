@@ -26,9 +26,9 @@ class PicturePose:
 
     base: str  # The start pose whose angles it has where it has no others.
     angles_deg: Mapping[str, float]
-    """Of joints; `{side}` stands for both sides. Joints end at their limits, and those that are not there are left
-    out."""
-    pitch_deg: float | None = None  # Of the hip about its left, from upright; None is that of the base.
+    """Angles of joints; `{side}` stands for both sides. Joints end at their limits, and those that are not there are
+    left out."""
+    pitch_deg: float | None = None  # Pitch of the hip about its left, from upright; None is that of the base.
     on_hands: bool = False
     """Whether its arms touch the floor: the pitch is the one near `pitch_deg` at which they and the rest both do."""
 
@@ -159,7 +159,8 @@ def _pitch_on_hands(model: mujoco.MjModel, data: mujoco.MjData, manifest: Manife
         mujoco.mj_kinematics(model, data)
         return lowest_m(model, data, arms) - lowest_m(model, data, others)
 
-    low, high = middle_rad - np.radians(TURNS_DEG), middle_rad + np.radians(TURNS_DEG)
+    low = middle_rad - np.radians(TURNS_DEG)
+    high = middle_rad + np.radians(TURNS_DEG)
     if not arms.any() or higher_m(low) * higher_m(high) > 0:
         return middle_rad
     return root(higher_m, low, high, PRECISION_RAD)

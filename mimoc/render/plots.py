@@ -181,7 +181,8 @@ def learning_sheet(
                 continue
             values = np.array([np.asarray(columns[quantity.curve], float)[:rows] for columns in seeds])
             known = np.isfinite(values).any(axis=0)
-            steps, values = np.asarray(seeds[0]["steps"], float)[:rows][known], values[:, known]
+            steps = np.asarray(seeds[0]["steps"], float)[:rows][known]
+            values = values[:, known]
             lines.append(Line(steps, np.nanmean(values, axis=0), label, "marked" if len(steps) == 1 else "line"))
             if len(seeds) > 1:
                 bands.append(Band(steps, np.nanmin(values, axis=0), np.nanmax(values, axis=0), label))
@@ -212,7 +213,7 @@ MAX_COLUMNS = 7  # Maximum number of columns of a legend.
 COLOURS, DARKEST, LIGHTEST = "viridis", 0.0, 0.88
 """A colour map that is suitable for colour-blind readers and stays ordered in grey, and its range that is visible on
 white."""
-MARKERS = "osv^DPX<>"  # Of labels in rows.
+MARKERS = "osv^DPX<>"  # Markers of labels, one after the other.
 BLUE, RED, GREY = "#33669a", "#c8431f", "#6f6f6f"
 """Colours that colour-blind readers can distinguish, also in grey."""
 LOOKS: Mapping[str, dict[str, Any]] = {
@@ -272,10 +273,13 @@ def draw(sheet: Sheet) -> "Figure":
     rows = -(-len(sheet.plots) // columns)
     labels = [*dict.fromkeys(label for plot in sheet.plots for label in plot.labels)]
     shared = sheet.shared_legend or all(set(plot.labels) == set(labels) for plot in sheet.plots)
-    above, below = LEGEND_PX * bool(shared and labels), CAPTION_PX * bool(sheet.caption)
-    width, height = columns * sheet.panel_px[0], rows * sheet.panel_px[1] + above + below
+    above = LEGEND_PX * bool(shared and labels)
+    below = CAPTION_PX * bool(sheet.caption)
+    width = columns * sheet.panel_px[0]
+    height = rows * sheet.panel_px[1] + above + below
     figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
-    styles, handles = _styles_of(sheet.plots) if shared else {}, dict[str, Any]()
+    styles = _styles_of(sheet.plots) if shared else {}
+    handles = dict[str, Any]()
     for number, plot in enumerate(sheet.plots, start=1):
         axes = figure.add_subplot(rows, columns, number)
         drawn = _draw_plot(axes, plot, styles or _styles_of([plot]))

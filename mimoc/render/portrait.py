@@ -143,7 +143,7 @@ class _Style:
             shown=self.shown,
             cut_out=self.framing.transparent,
             beside=beside,
-            as_it_is=True,
+            static_materials=True,
         )
 
     def draw(
@@ -234,8 +234,11 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     model, data = load_posed(bundle)
     root, toys = bundle.manifest.root_body, bundle.manifest.toys
     shown = [root, *(toy.body for toy in toys)]
-    view, beside = view_of_scene(FROM_ABOVE, bundle.manifest, [root], data), company(bundle.manifest, [root], data)
-    with closing(BodyCamera(model, shown, width, height, view, exposure=STILL, beside=beside, as_it_is=True)) as camera:
+    view = view_of_scene(FROM_ABOVE, bundle.manifest, [root], data)
+    beside = company(bundle.manifest, [root], data)
+    with closing(
+        BodyCamera(model, shown, width, height, view, exposure=STILL, beside=beside, static_materials=True)
+    ) as camera:
         camera.turn(data)
         return camera.render(data)
 
@@ -318,10 +321,12 @@ def _to_place(data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, floa
     turn = Move(float(np.radians(FROM_THE_FRONT[0] - front_deg)), np.zeros(3))
     geoms = in_subtrees(model, [model.body(root).id])[model.geom_bodyid]
     across = matrix_from_axis(UP, turn.turn_rad)[1] @ data.geom_xmat[geoms].reshape(-1, 3, 3)
-    middles_m, halves_m = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
+    middles_m = model.geom_aabb[geoms, :3]
+    halves_m = model.geom_aabb[geoms, 3:]
     y_m = turn.points_m(data.geom_xpos[geoms])[:, 1] + (across * middles_m).sum(axis=1)
     reach_m = (np.abs(across) * halves_m).sum(axis=1)
-    low_m, high_m = float((y_m - reach_m).min()), float((y_m + reach_m).max())
+    low_m = float((y_m - reach_m).min())
+    high_m = float((y_m + reach_m).max())
     x_m, _, _ = turn.points_m(data.body(root).xpos)
     return Move(turn.turn_rad, np.array([-x_m, left_m - low_m, 0.0])), high_m - low_m
 

@@ -167,7 +167,10 @@ class Renderer:
         Raises:
             RenderingError: If OpenGL has no room for that; its context is freed then.
         """
-        self._model, size, width, height = model, model.vis.global_, self.buffer.width, self.buffer.height
+        self._model = model
+        size = model.vis.global_
+        width = self.buffer.width
+        height = self.buffer.height
         try:
             with visual_settings(((size, "offwidth", width), (size, "offheight", height), *self._settings(model))):
                 self.context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)

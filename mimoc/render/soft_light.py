@@ -42,17 +42,17 @@ class Exposure:
 
 
 STILL, MOVING, ONCE = Exposure(4, 3), Exposure(4, 1, 256), Exposure(1)
-"""For single pictures, for those of videos, and for the fastest ones, with hard shadows."""
-ROW = Exposure(4, 2)  # For several infants, which have more triangles.
+"""Exposures of single pictures, of those of videos, and of the fastest ones, with hard shadows."""
+ROW = Exposure(4, 2)  # Exposure of pictures of several infants, which have more triangles.
 
 
 @dataclass(frozen=True, slots=True)
 class Beam:
     """Light from one direction, without an end."""
 
-    azimuth_deg: float  # That it shines in, less that of the camera: 0 is from behind the camera, 90 from its right.
-    elevation_deg: float  # That it shines in; below 0 is downwards.
-    colour: Colour  # On what faces it.
+    azimuth_deg: float  # Azimuth that it shines in, less the camera's: 0 is from behind the camera, 90 from its right.
+    elevation_deg: float  # Elevation that it shines in; below 0 is downwards.
+    colour: Colour  # Its light on what faces it.
 
     def towards(self, azimuth_deg: float) -> FloatArray:
         """Return the unit vector that it shines along, shape (3,), in the world, of a camera at an azimuth."""
@@ -65,9 +65,9 @@ class Daylight:
     """The light of a picture of an infant that is in no room."""
 
     sun: Beam  # The only one that casts shadows.
-    sun_radius_deg: float  # Of its disc, as seen from the infant: as large as a window.
+    sun_radius_deg: float  # Radius of its disc, as seen from the infant: as large as a window.
     fills: tuple[Beam, ...]  # Sky and floor, without shadows.
-    ambient: Colour  # On everything.
+    ambient: Colour  # Light on everything.
     turned_deg: float
     """How far the sun is farther to the right in views from above, in which it would shine from under a chin."""
 
@@ -86,18 +86,18 @@ DAYLIGHT = Daylight(
 """A sun at the upper right of the camera, the sky above, light from beside the camera, and warm light that the floor
 reflects (D)."""
 
-GLOSS: Colour = (0.08, 0.08, 0.08)  # Of the sun on what is shiny (D).
+GLOSS: Colour = (0.08, 0.08, 0.08)  # Gloss that the sun gives to what is shiny (D).
 LAMP_RADIUS = 0.08  # Radius of a lamp in a room, as a share of its distance from the infant (D).
-SUN_DISTANCE_M = 4.0  # From the middle of what is shown to where the map of shadows begins.
-NEAR, FAR_M = 0.25, 10000.0
-"""Where the picture begins, as a share of the distance of what is shown, and where it ends. MuJoCo raises shadows by a
-share of the second, without which what faces the sun is speckled with its own shadow: at 60 m it is, at 10 km not."""
+SUN_DISTANCE_M = 4.0  # Distance from the middle of what is shown to where the map of shadows begins.
+NEAR = 0.25  # Where the picture begins, as a share of the distance of what is shown.
+FAR_M = 10000.0
+"""Where the picture ends. MuJoCo raises shadows by a share of it; if that is too little, surfaces that face the sun are
+speckled with their own shadow: they are with an end at 60 m, and are not with one at 10 km."""
 SHADOWS_WITHIN = 1.1
 """Radius around the middle of what is shown within which things cast shadows, in radii of what is shown."""
-
 SHADOWS_FROM = 2.5
-"""Or, where a picture shows less, in halves of its height: those of what is farther away do not fall into it."""
-
+"""The same radius where a picture shows less, in halves of its height: shadows of things that are farther away do not
+fall into it."""
 ROUND_OFF = 1e-9  # Lets halves be rounded up, whatever the last bit of a division is.
 
 
@@ -110,7 +110,8 @@ def disc_points(count: int) -> FloatArray:
     True
     """
     steps = np.arange(count)
-    radii, angles = np.sqrt((steps + 0.5) / count), steps * GOLDEN_RAD
+    radii = np.sqrt((steps + 0.5) / count)
+    angles = steps * GOLDEN_RAD
     return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
 
 
@@ -146,7 +147,9 @@ def passes(
     for number, point in enumerate(pixel_points(exposure.passes)):
         for camera, centre, bottom, top in cameras:
             across, up = point * (top - bottom) / height_px
-            camera.frustum_center, camera.frustum_bottom, camera.frustum_top = centre + across, bottom + up, top + up
+            camera.frustum_center = centre + across
+            camera.frustum_bottom = bottom + up
+            camera.frustum_top = top + up
         scene.nlight = steady
         for light in casting:
             for lamp_point in lamp_points[:, number]:
@@ -159,11 +162,16 @@ def _set_daylight(scene: mujoco.MjvScene, shot: Shot, daylight: Daylight) -> Non
     azimuth, elevation = shot.view
     scene.nlight = 1 + len(daylight.fills)
     for light, beam in zip(scene.lights, (daylight.sun, *daylight.fills), strict=False):
-        light.type, light.headlight, light.castshadow, light.texid = DIRECTIONAL, 0, beam is daylight.sun, -1
+        light.type = DIRECTIONAL
+        light.headlight = 0
+        light.castshadow = beam is daylight.sun
+        light.texid = -1
         turned_deg = daylight.turned_deg if beam is daylight.sun and elevation < FROM_ABOVE_DEG else 0.0
         light.dir[:] = beam.towards(azimuth + turned_deg)
         light.pos[:] = shot.lookat_m - SUN_DISTANCE_M * light.dir
-        light.diffuse[:], light.ambient[:] = beam.colour, daylight.ambient if beam is daylight.fills[0] else BLACK
+        light.diffuse[:] = beam.colour
+        # The ambient light counts once, with the first fill.
+        light.ambient[:] = daylight.ambient if beam is daylight.fills[0] else BLACK
         light.specular[:] = GLOSS if beam is daylight.sun else BLACK
 
 
@@ -179,14 +187,18 @@ def _keep_floor_from_casting(scene: mujoco.MjvScene) -> None:
 
 def _set_range(camera: mujoco.MjvGLCamera, near_m: float, far_m: float) -> None:
     """Let a camera see things within a range of distances, in the same field of view."""
-    share = near_m / camera.frustum_near
-    camera.frustum_near, camera.frustum_far = near_m, far_m
-    camera.frustum_center *= share
-    camera.frustum_bottom *= share
-    camera.frustum_top *= share
+    ratio = near_m / camera.frustum_near
+    camera.frustum_near = near_m
+    camera.frustum_far = far_m
+    camera.frustum_center *= ratio
+    camera.frustum_bottom *= ratio
+    camera.frustum_top *= ratio
 
 
-def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list["_Light"]]:
+_Light = dict[str, Any]  # The values of a light of MuJoCo, by the name of the field.
+
+
+def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list[_Light]]:
     """Put the lights that cast no shadows first; return how many they are, and the others."""
     lights = [
         {name: copy(getattr(light, name)) for name in dir(light) if not name.startswith("_")}
@@ -197,9 +209,6 @@ def _sorted_lights(scene: mujoco.MjvScene) -> tuple[int, list["_Light"]]:
     for light in steady:
         _add_light(scene, light)
     return len(steady), [light for light in lights if light["castshadow"]]
-
-
-_Light = dict[str, Any]
 
 
 def _add_light(scene: mujoco.MjvScene, values: _Light, share: float = 1.0) -> None:
@@ -238,17 +247,19 @@ class Mean:
 
     def __init__(self, daylight: bool = False):
         """Begin with no picture; those in daylight are brightened in the end, see `toned`."""
-        self._passes, self._sum, self._daylight = 0, np.zeros(1, np.uint16), daylight
+        self._passes = 0
+        self._sum = np.zeros(1, np.uint16)
+        self._daylight = daylight
         self._opaque: npt.NDArray[np.uint16] | None = None
 
     def add(self, drawn: Picture, opaque: npt.NDArray[np.bool_] | None = None) -> None:
         """Add a picture, shape (height, width, 3), of which only a part may count, shape (height, width)."""
-        weighed = drawn if opaque is None else drawn * opaque[..., None]
+        counted = drawn if opaque is None else drawn * opaque[..., None]
         if not self._passes:
-            self._sum = weighed.astype(np.uint16)
+            self._sum = counted.astype(np.uint16)
             self._opaque = opaque if opaque is None else opaque[..., None].astype(np.uint16)
         else:
-            self._sum += weighed
+            self._sum += counted
             if self._opaque is not None and opaque is not None:
                 self._opaque += opaque[..., None]
         self._passes += 1
@@ -262,6 +273,6 @@ class Mean:
         return np.concatenate([self._bytes(1)[colours], opacity.astype(np.uint8)], axis=2)
 
     def _bytes(self, passes: int) -> npt.NDArray[np.uint8]:
-        """Return what stands in a picture for each sum of some passes, shape (255 passes + 1,)."""
+        """Return the byte of the picture for each sum over a number of passes, shape (255 passes + 1,)."""
         share = np.arange(255 * passes + 1) / (255 * passes)
         return np.floor(255 * (toned(share) if self._daylight else share) + 0.5 + ROUND_OFF).astype(np.uint8)

@@ -55,7 +55,8 @@ class Actuation:
         numbers = numbers_of(action)
         if numbers.shape != self.low.shape:
             raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {numbers.shape}")
-        actions, command = numbers.astype(np.float64), self._alone.command
+        actions = numbers.astype(np.float64)
+        command = self._alone.command
         if not np.isfinite(actions).all():
             wrong = actions[~np.isfinite(actions)][0]
             raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")

@@ -26,7 +26,7 @@ FIELDS = "actuator_biasprm", "jnt_stiffness", "qpos_spring"  # Fields of the mod
 
 
 Tone = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
-"""Of all motors, shape (actuators, 3), and of all hinges with muscles, shape (joints, 2)."""
+"""Tone of all motors, shape (actuators, 3), and of all hinges with muscles, shape (joints, 2)."""
 
 
 class ToneInModels:
@@ -38,8 +38,11 @@ class ToneInModels:
         of_motors, of_hinges = (np.stack(tone) for tone in zip(*tones, strict=True))
         motors, hinges = (np.flatnonzero(tone.any(axis=(0, 2))) for tone in (of_motors, of_hinges))
         self.fields = (*(FIELDS[:1] if len(motors) else ()), *(FIELDS[1:] if len(hinges) else ()))
-        self._of_motors, self._of_hinges = put(of_motors[:, motors]), put(of_hinges[:, hinges])
-        self._motors, self._hinges, self._angles = put(motors), put(hinges), put(angles[hinges])
+        self._of_motors = put(of_motors[:, motors])
+        self._of_hinges = put(of_hinges[:, hinges])
+        self._motors = put(motors)
+        self._hinges = put(hinges)
+        self._angles = put(angles[hinges])
         self._bias, self._stiffness, self._rest_rad = fields
         self._as_built = [self._bias[:, self._motors, :OF_BIAS]]
         self._as_built += [self._stiffness[:, self._hinges], self._rest_rad[:, self._angles]]

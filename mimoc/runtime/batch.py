@@ -60,7 +60,8 @@ class ThreadedPhysics:
     ) -> Generator[Sequence[int], None, None]:
         """Call a function for some infants in all threads; yield each group of them as soon as all of it is done."""
         waiting = ((infant, group) for group, infants in enumerate(groups) for infant in infants)
-        turn, done = Lock(), [SimpleQueue[int]() for _ in groups]
+        turn = Lock()
+        done = [SimpleQueue[int]() for _ in groups]
 
         def call_next() -> bool:
             with turn:
@@ -136,10 +137,9 @@ def usable_threads() -> int:
 
 Read = Callable[[Worlds], Sequence[Sample]]
 """Returns the samples of the k infants that it is for, from their worlds: new arrays, or rows of one."""
-SIZES = (
-    *("nq", "nv", "na", "nu", "nbody", "njnt", "ngeom", "nsite", "ncam", "nlight", "ntendon", "nmocap", "neq"),
-    *("nsensordata", "nuserdata"),
-)  # They determine the shapes of the fields of `MjData`.
+COORDINATES = ("nq", "nv", "na", "nu")
+ELEMENTS = ("nbody", "njnt", "ngeom", "nsite", "ncam", "nlight", "ntendon", "nmocap", "neq")
+SIZES = (*COORDINATES, *ELEMENTS, "nsensordata", "nuserdata")  # They determine the shapes of the fields of `MjData`.
 
 
 class BatchSense:
@@ -147,11 +147,13 @@ class BatchSense:
 
     def __init__(self, name: str, senses: Sequence[Sense], models: Sequence[mujoco.MjModel], physics: ThreadedPhysics):
         """Find out which infants can be read together: those with terms of equal addresses in models of equal size."""
-        self._name, self._senses, self._physics = name, senses, physics
-        self.kinds = _kinds(senses, models)  # Which of them can be read together: those of the same kind.
-        self._stacked: dict[int, tuple[list[int], Any]] = {}  # By kind: infants, and their term.
+        self._name = name
+        self._senses = senses
+        self._physics = physics
+        self.kinds = _kinds(senses, models)  # The kind of each infant; those of the same kind can be read together.
+        self._stacked: dict[int, tuple[list[int], Any]] = {}  # The infants of a kind and their joint term, by kind.
         for kind in set(self.kinds):
-            members = [infant for infant, other in enumerate(self.kinds) if other == kind]
+            members = [infant for infant, kind_of_infant in enumerate(self.kinds) if kind_of_infant == kind]
             terms: list[Any] = [senses[infant].term for infant in members]
             if terms[0] is not None:
                 self._stacked[kind] = members, stack_terms(terms)
@@ -167,12 +169,13 @@ class BatchSense:
             members, stacked = self._stacked[self.kinds[infants[0]]]
             term = take_rows(stacked, np.searchsorted(members, infants))
             return partial(_rows, self._name, term, len(infants))
-        together = SENSES[self._name].many if self._name in SENSES else None
-        if together and (read := function_of(together, "join")(senses)):
+        module = SENSES[self._name].many if self._name in SENSES else None
+        if module and (read := function_of(module, "join")(senses)):
             return read
         if all(sense.reads_in_threads for sense in senses):
-            in_threads, numbers = self._physics.in_threads, range(len(senses))
-            return lambda worlds: in_threads(lambda number: senses[number](worlds.datas[number]), numbers)
+            in_threads = self._physics.in_threads
+            indices = range(len(senses))
+            return lambda worlds: in_threads(lambda index: senses[index](worlds.datas[index]), indices)
         return lambda worlds: [sense(data) for sense, data in zip(senses, worlds.datas, strict=True)]
 
     def observe(self, samples: Sequence[Sample]) -> Observation:
@@ -183,8 +186,8 @@ class BatchSense:
             np.maximum(observed, low, out=observed)
             np.minimum(observed, high, out=observed)
             return {self._name: observed.astype(np.float32)}
-        spaces, count = self._senses[0].spaces, len(samples)
-        observation = {name: np.empty((count, *space.shape), space.dtype) for name, space in spaces.items()}
+        spaces = self._senses[0].spaces
+        observation = {name: np.empty((len(samples), *space.shape), space.dtype) for name, space in spaces.items()}
         for index, (sense, sample) in enumerate(zip(self._senses, samples, strict=True)):
             sense.write(sample, {name: array[index] for name, array in observation.items()})
         return observation
@@ -198,15 +201,21 @@ def _rows(name: str, term: Any, infants: int, worlds: Worlds) -> list[Sample]:
 
 
 def _kinds(senses: Sequence[Sense], models: Sequence[mujoco.MjModel]) -> list[int]:
-    """Number the kinds of infants: those with the same number can be read together."""
-    firsts: list[tuple[Sense, tuple[int, ...]]] = []
+    """Return the number of each infant's kind: infants of the same kind can be read together."""
+    examples: list[tuple[Sense, tuple[int, ...]]] = []  # The first sense of each kind, and the sizes of its model.
     kinds: list[int] = []
     for sense, model in zip(senses, models, strict=True):
         sizes = tuple(getattr(model, name) for name in SIZES)
-        alike = (number for number, first in enumerate(firsts) if first[1] == sizes and _is_alike(first[0], sense))
-        kinds.append(next(alike, len(firsts)))
-        if kinds[-1] == len(firsts):
-            firsts.append((sense, sizes))
+        alike = (
+            kind
+            for kind, (example, example_sizes) in enumerate(examples)
+            if example_sizes == sizes and _is_alike(example, sense)
+        )
+        kind = next(alike, None)
+        if kind is None:
+            kind = len(examples)
+            examples.append((sense, sizes))
+        kinds.append(kind)
     return kinds
 
 
@@ -244,10 +253,11 @@ class Batch:
     def __init__(self, simulations: Sequence[Simulation], threads: int | None = None):
         self.simulations = tuple(simulations)
         self.infants = tuple(infant for world in self.simulations for infant in world.infants.values())
-        self.world_of = [number for number, world in enumerate(self.simulations) for _ in world.infants]
+        self.world_of = [index for index, world in enumerate(self.simulations) for _ in world.infants]
         rows = iter(range(len(self.infants)))
         self.rows_of = [{name: next(rows) for name in world.infants} for world in self.simulations]
-        models, datas = [world.model for world in self.simulations], [world.data for world in self.simulations]
+        models = [world.model for world in self.simulations]
+        datas = [world.data for world in self.simulations]
         self.physics = ThreadedPhysics(models, datas, threads)
         self._bind()
 
@@ -273,20 +283,23 @@ class Batch:
 
     def refresh(self) -> None:
         """Bind the models that simulations have got by growing or in another scene."""
-        pairs = enumerate(zip(self.simulations, self.physics.models, self.physics.datas, strict=True))
         changed = [
-            number for number, (world, model, data) in pairs if world.data is not data or world.model is not model
+            index
+            for index, world in enumerate(self.simulations)
+            if world.data is not self.physics.datas[index] or world.model is not self.physics.models[index]
         ]
-        for number in changed:
-            self.physics.replace(number, self.simulations[number].model, self.simulations[number].data)
+        for index in changed:
+            self.physics.replace(index, self.simulations[index].model, self.simulations[index].data)
         if changed:
             self._bind()
 
     def _bind(self) -> None:
         """Join the parts of all infants; worlds of the same bundle come one after another."""
-        firsts = {id(world.bundle): number for number, world in reversed(list(enumerate(self.simulations)))}
+        first_with: dict[int, int] = {}  # Index of the first world with a bundle, by the identity of the bundle.
+        for index, world in enumerate(self.simulations):
+            first_with.setdefault(id(world.bundle), index)
         self.order = sorted(
-            range(len(self.simulations)), key=lambda number: firsts[id(self.simulations[number].bundle)]
+            range(len(self.simulations)), key=lambda index: first_with[id(self.simulations[index].bundle)]
         )
         models = [self.physics.models[world] for world in self.world_of]
         self._senses = {
@@ -321,7 +334,9 @@ class BatchStep(ControlStep[int]):
         datas = dict(enumerate(physics.datas[world] for world in world_of))
         super().__init__(dict(enumerate(infant.schedule for infant in infants)), datas)
         self._accompanied = {row for row, schedule in self._schedules.items() if schedule.companions}
-        self._world_of, self._physics, self._senses = world_of, physics, senses
+        self._world_of = world_of
+        self._physics = physics
+        self._senses = senses
         self._plans: list[Plan] = []
 
     def _plan(self, parts: Sequence[MergedSegment[int]]) -> None:
@@ -333,7 +348,7 @@ class BatchStep(ControlStep[int]):
             is_sampled = any(segment.samples for _, segment in part.ended)
             groups = self._groups(worlds) if is_sampled else [worlds]
             samplings = [
-                self._samplings([item for item in part.ended if self._world_of[item[0]] in members])
+                self._samplings([(row, segment) for row, segment in part.ended if self._world_of[row] in members])
                 for members in map(set, groups)
             ]
             self._plans.append(Plan(groups, samplings))
@@ -362,8 +377,8 @@ class BatchStep(ControlStep[int]):
                     for row, sample in zip(rows, samples, strict=True)
                 ]
             for delayed, sample in zip(sampling.delayed, samples, strict=True):
-                for line in delayed:
-                    line.send(sample)
+                for delay in delayed:
+                    delay.send(sample)
 
     def _groups(self, worlds: list[int]) -> list[list[int]]:
         """Return worlds in two groups, if several threads share so many that it is worth while.
@@ -378,17 +393,18 @@ class BatchStep(ControlStep[int]):
         return [worlds[:cut], worlds[cut:]]
 
     def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
-        parts: defaultdict[tuple[str, int], dict[int, tuple[DelayedSamples, ...]]] = defaultdict(dict)
+        # The delays of each row, by the sense that is sampled and the kind of the infants that are read together.
+        delays: defaultdict[tuple[str, int], dict[int, tuple[DelayedSamples, ...]]] = defaultdict(dict)
         for row, segment in due:
             for name, delayed in segment.samples:
-                parts[name, self._senses[name].kinds[row]][row] = delayed
+                delays[name, self._senses[name].kinds[row]][row] = delayed
         return [
             Sampling(
                 name,
-                tuple(delayed),
-                self._senses[name].reader(list(delayed)),
-                list(delayed.values()),
-                any(self._schedules[row].is_noisy(name) for row in delayed),
+                infants=tuple(delayed),
+                read=self._senses[name].reader(list(delayed)),
+                delayed=list(delayed.values()),
+                is_noisy=any(self._schedules[row].is_noisy(name) for row in delayed),
             )
-            for (name, _), delayed in parts.items()
+            for (name, _), delayed in delays.items()
         ]

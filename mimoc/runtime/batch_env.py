@@ -64,7 +64,8 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         simulations = [env.simulation for env in self._envs]
         check_mixture([infant for world in simulations for infant in world.infants.values()])
         self._batch = Batch(simulations, threads)
-        self.render_mode, self._max_steps = self._envs[0].render_mode, max_episode_steps
+        self.render_mode = self._envs[0].render_mode
+        self._max_steps = max_episode_steps
         spaces = [infant.observation_space for infant in self.infants]
         self._describe(self._envs[0].metadata, self.infants, spaces, AutoresetMode(autoreset_mode), max_episode_steps)
         self._ended = np.zeros(self.num_envs, bool)
@@ -138,8 +139,10 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
 
     def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
         """Make a step as `step` does, with an info for each infant; those whose age is due grow before it."""
-        actions, infos = self._checked(actions), dict[int, dict[str, Any]]()
-        rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+        actions = self._checked(actions)
+        infos = dict[int, dict[str, Any]]()
+        rewards = np.zeros(self.num_envs)
+        terminated = np.zeros(self.num_envs, bool)
         truncated, batch = terminated.copy(), self._batch
         if self.autoreset_mode == AutoresetMode.DISABLED:
             refuse_ended(self._ended)
@@ -286,7 +289,8 @@ class BatchEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it 
         self, world: int, seeds: Sequence[int | None] | None = None, options: Sequence[dict[str, Any]] | None = None
     ) -> dict[int, tuple[Observation, dict[str, Any]]]:
         """Start an episode of a world with the seeds and options of its rows; return observation and info by row."""
-        rows, simulation = self._batch.rows_of[world], self.simulations[world]
+        rows = self._batch.rows_of[world]
+        simulation = self.simulations[world]
         given = {name: dict(options[row]) if options else {} for name, row in rows.items()}
         scenes = [] if "" in given else [asked.pop(SEED) for asked in given.values() if SEED in asked]
         with sharing(self._renderers):

@@ -16,7 +16,9 @@ from mimoc.runtime.sense import FloatArray
 
 CHECKED_S = 1.0
 SWITCHING_S = (0.05, 0.1)  # Range of the time after which alternating commands switch direction.
-MAX_ENERGY_J_PER_KG = 20.0  # Kinetic; flailing limbs stay below 9 (measured), unstable simulations do not.
+MAX_ENERGY_J_PER_KG = 20.0
+"""Limit of the kinetic energy; that of flailing limbs stays below 9 (measured), that of unstable simulations does
+not."""
 MAX_BEYOND_DEG = 60.0
 """Limit of the violation of a joint range; limits are as soft as MIMo's, whose thumbs exceed theirs by up to 40
 degrees."""
@@ -49,16 +51,19 @@ def check_stability(bundle: Bundle, seed: int = 0) -> Iterator[PoseCheck]:
     """Yield the check of each pose: a one-second trial with each kind of `COMMANDS`, applied to all actuators."""
     model = load_model(bundle)
     generator = np.random.default_rng(seed)
-    manifest, held = bundle.manifest, [Constraints(bundle.manifest.constraints, model)]
+    manifest = bundle.manifest
+    constraints = [Constraints(manifest.constraints, model)]
     for pose in manifest.poses:
-        yield _check_pose(model, pose, ms_to_s(manifest.step_ms), held, manifest.root_body, generator)
+        yield _check_pose(model, pose, ms_to_s(manifest.step_ms), constraints, manifest.root_body, generator)
 
 
 def check_world(bundle: WorldBundle, seed: int = 0) -> PoseCheck:
     """Return the check of a world as its infants start: the same trials, applied to the actuators of all of them."""
-    model, manifest = load_world_model(bundle), bundle.manifest
-    held = [Constraints(infant.manifest.constraints, model) for infant in bundle.infants.values()]
-    return _check_pose(model, manifest.pose, ms_to_s(manifest.step_ms), held, "world", np.random.default_rng(seed))
+    model = load_world_model(bundle)
+    generator = np.random.default_rng(seed)
+    manifest = bundle.manifest
+    constraints = [Constraints(infant.manifest.constraints, model) for infant in bundle.infants.values()]
+    return _check_pose(model, manifest.pose, ms_to_s(manifest.step_ms), constraints, "world", generator)
 
 
 def random_commands(model: mujoco.MjModel, generator: np.random.Generator, step_s: float) -> Iterator[FloatArray]:
@@ -81,33 +86,37 @@ def alternating_commands(model: mujoco.MjModel, generator: np.random.Generator, 
 COMMANDS: Mapping[str, Callable[[mujoco.MjModel, np.random.Generator, float], Iterator[FloatArray]]] = {
     "random": random_commands,
     "alternating": alternating_commands,
-}  # By name, from model, generator and control step [s].
+}  # Each yields commands for a model, with a generator and the control step in [s].
 
 
 def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, root: str) -> Flailing:
     """Simulate one second with one command per control step; stop after the control step in which MuJoCo warns."""
     model = data.model
     hinges = np.flatnonzero(model.jnt_limited & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE))
-    addresses, (low, high) = model.jnt_qposadr[hinges], model.jnt_range[hinges].T
-    qpos, energy, energy_j, substeps = data.qpos, data.energy, 0.0, round(step_s / model.opt.timestep)
+    addresses = model.jnt_qposadr[hinges]
+    low, high = model.jnt_range[hinges].T
+    substeps = round(step_s / model.opt.timestep)
+    qpos = data.qpos
     least, most = np.full_like(qpos, np.inf), np.full_like(qpos, -np.inf)
+    energy_j = 0.0
     for _ in range(round(CHECKED_S / step_s)):
         data.ctrl[:] = next(commands)
         for _ in range(substeps):
             mujoco.mj_step(model, data)
             mujoco.mj_energyVel(model, data)
-            np.minimum(least, qpos, out=least)  # What is not a number stays so.
+            np.minimum(least, qpos, out=least)  # A value that is not a number stays in both.
             np.maximum(most, qpos, out=most)
-            energy_j = max(energy_j, math.inf if math.isnan(energy[1]) else float(energy[1]))
+            kinetic_j = float(data.energy[1])
+            energy_j = max(energy_j, math.inf if math.isnan(kinetic_j) else kinetic_j)
         if simulation_warnings(data):
             break
-    beyond = np.nan_to_num(np.maximum(low - least[addresses], most[addresses] - high), nan=np.inf)
-    furthest_rad = float(beyond.max(initial=0.0))
+    beyond_rad = np.nan_to_num(np.maximum(low - least[addresses], most[addresses] - high), nan=np.inf)
+    furthest_rad = float(beyond_rad.max(initial=0.0))
     return Flailing(
         simulation_warnings(data),
         energy_j / float(model.body(root).subtreemass[0]),
         math.degrees(furthest_rad),
-        model.joint(hinges[beyond.argmax()]).name if furthest_rad else "",
+        model.joint(hinges[beyond_rad.argmax()]).name if furthest_rad else "",
     )
 
 
@@ -115,22 +124,22 @@ def _check_pose(
     model: mujoco.MjModel,
     pose: str,
     step_s: float,
-    held: Sequence[Constraints],
+    constraints: Sequence[Constraints],
     root: str,
     generator: np.random.Generator,
 ) -> PoseCheck:
-    problems = list[Flailing]()
+    trials = list[Flailing]()
     for commands in COMMANDS.values():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
         mujoco.mj_kinematics(model, data)
-        for constraints in held:
-            constraints.keep(data)
-        problems.append(flail(data, commands(model, generator, step_s), step_s, root))
-    furthest = max(problems, key=lambda flailing: flailing.beyond_deg)
+        for constraint_set in constraints:
+            constraint_set.keep(data)
+        trials.append(flail(data, commands(model, generator, step_s), step_s, root))
+    furthest = max(trials, key=lambda trial: trial.beyond_deg)
     return PoseCheck(
-        warnings=tuple(sorted({warning for flailing in problems for warning in flailing.warnings})),
-        energy_j_per_kg=max(flailing.energy_j_per_kg for flailing in problems),
+        warnings=tuple(sorted({warning for trial in trials for warning in trial.warnings})),
+        energy_j_per_kg=max(trial.energy_j_per_kg for trial in trials),
         beyond_deg=furthest.beyond_deg,
         joint=furthest.joint,
         pose=pose,

@@ -63,7 +63,7 @@ def told(value: Any) -> str:
 
 
 INFANTS = 7
-TOLERANCE = 1e-5  # Of 32-bit numbers, in terms of the larger of 1 and the number itself.
+TOLERANCE = 1e-5  # Tolerance of 32-bit numbers, in terms of the larger of 1 and the number itself.
 RESULT = "the result"
 STEPS = 20  # Physics steps with random controls from the first keyframe, after which contacts press.
 
@@ -89,7 +89,8 @@ def check_term(term: Term, model: mujoco.MjModel, *args: Any) -> None:
         TermError: If it breaks the contract; the text says how.
         MissingExtraError: If `array_api_strict` or torch is not installed.
     """
-    datas, terms = _states(model), [_varied(term, index) for index in range(INFANTS)]
+    datas = _states(model)
+    terms = [_varied(term, index) for index in range(INFANTS)]
     many = _call(terms, _stacked_worlds(datas), args, "NumPy", np.asarray)
     for index, data in enumerate(datas):
         row = _mapped(args, lambda array, index=index: array[index : index + 1])
@@ -149,7 +150,8 @@ def _call(terms: list[Term], worlds: Worlds, args: Any, library: str, put: Put) 
 
 
 def _states(model: mujoco.MjModel) -> list[mujoco.MjData]:
-    generator, datas = np.random.default_rng(0), list[mujoco.MjData]()
+    generator = np.random.default_rng(0)
+    datas = list[mujoco.MjData]()
     for index in range(INFANTS):
         data = mujoco.MjData(model)
         if model.nkey:

@@ -64,7 +64,8 @@ class Schedule:
         }
         self._motor_noise: NoisyMotors | None = None
         if is_disturbed(timing.noise, actuation):
-            noise, timestep_s = bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms)
+            noise = bind_motor_noise(timing.noise, actuation)
+            timestep_s = ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
         self._is_checked = False
         self._jittered = [line for delayed in self.samples.values() for line in delayed if line.delay.jitter]

@@ -67,7 +67,10 @@ class Delay:
     """The delay of one channel of an infant, in physics steps."""
 
     def __init__(self, steps: int, jitter: int = 0, streams: NoiseStreams | None = None, channel: str = ""):
-        self.steps, self.jitter, self._streams, self._channel = steps, jitter, streams or NoiseStreams(0), channel
+        self.steps = steps
+        self.jitter = jitter
+        self._streams = streams or NoiseStreams(0)
+        self._channel = channel
         self.deviation = 0  # The present deviation from its mean.
 
     def reset(self) -> None:
@@ -189,7 +192,9 @@ class DelayedCommands:
         """Delay the commands *part*, shape (n,), to *actuators*, shape (n,)."""
         self.delay, self._period = delay, control_steps
         self.applied_after: tuple[int, ...] = (delay.steps % control_steps,)  # Physics steps of this control step.
-        self._part, self._columns, self._actuators = part, as_slice(part), as_slice(actuators)
+        self._part = part
+        self._columns = as_slice(part)
+        self._actuators = as_slice(actuators)
         self._room = delay.steps // control_steps
         self.state = [[], 0]
 

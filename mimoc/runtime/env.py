@@ -71,7 +71,8 @@ class InfantEnv(Infant, gymnasium.Env[Any, npt.NDArray[np.float32]]):
             KindError: If the task, a sense or a companion is no such object, or has the name of an existing one.
         """
         check_rendering(render_mode, width, height)
-        self.render_mode, self._custom = render_mode, Custom.checked(task, senses, companions)
+        self.render_mode = render_mode
+        self._custom = Custom.checked(task, senses, companions)
         variant = open_variant(bundle)
         manifest = variant.bundle.manifest
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(manifest.step_ms))}

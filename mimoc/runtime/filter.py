@@ -101,7 +101,8 @@ class Lags(Filter):
         """Return the response, shape (k, n), and the lags and inputs; see `Filter`."""
         if state is None:
             return self._begun(xp, sample)
-        matrix, count = self.of_interval(xp, round(elapsed_s, 9), self._matrix), sample.shape[1]
+        matrix = self.of_interval(xp, round(elapsed_s, 9), self._matrix)
+        count = sample.shape[1]
         changed = xp.matmul(matrix, xp.concat([state, sample], axis=1)[:, :, None])
         return changed[:, :count, 0], changed[:, count:, 0]
 
@@ -114,13 +115,16 @@ class Lags(Filter):
 
     def _matrix(self, xp: Any, interval_s: float) -> Any:
         """Return the matrix of all numbers of a sample: rows are response and state, columns state and sample."""
-        times_s, lags, first = self.time_constants_s, self.weights.shape[-1], self.first
+        times_s = self.time_constants_s
+        lags = self.weights.shape[-1]
+        first = self.first
         left, ramp = held(xp, interval_s, times_s)
         of_lags = xp.where(times_s[:, :, None] == times_s[:, None, :], left[:, :, None], 0.0)
         rows = xp.concat([of_lags, (1.0 - left - ramp)[:, :, None], ramp[:, :, None]], axis=2)
         now = xp.concat([xp.zeros_like(rows[:, :1, :-1]), xp.ones_like(rows[:, :1, :1])], axis=2)
         response = xp.sum(self.weights[:, :, None] * rows, axis=1)[:, None, :] + self.direct[:, :, None] * now
-        of_one, same = xp.concat([response, rows, now], axis=1), self.identity[:, first:, first:]
+        of_one = xp.concat([response, rows, now], axis=1)
+        same = self.identity[:, first:, first:]
         side = (lags + 2) * same.shape[1]
         of_all = xp.reshape(of_one[:, :, None, :, None] * same[:, None, :, None, :], (-1, side, side))
         kept = side - same.shape[1]

@@ -36,7 +36,9 @@ def options_given(options: Any) -> dict[str, Any]:
 
 def checked_options(options: Any, variants: Any, infant: Infant) -> dict[str, Any]:
     """Return the options of a reset for an infant, or raise an error that names the wrong one."""
-    options, is_alone, objects = options_given(options), not infant.name, infant.manifest.objects
+    options = options_given(options)
+    is_alone = not infant.name
+    objects = infant.manifest.objects
     known = [POSE, AROUSAL, *([AGE] if variants else []), *([OBJECTS] if objects else [])]
     known += [SEED] if is_alone and variants and variants.has_other_scenes else []
     for key in options.keys() - known:
@@ -162,7 +164,8 @@ def carry_body(former: Sequence[Binding], now: Sequence[Binding]) -> None:
     now[0].objects.stay(old.objects)
     clip_angles(model, data)
     mujoco.mj_fwdPosition(old.model, old.data)
-    depths, fixed = depths_of(old.model, old.data), np.concatenate([after.constraints.fixed_dofs for after in now])
+    depths = depths_of(old.model, old.data)
+    fixed = np.concatenate([after.constraints.fixed_dofs for after in now])
     resolve_penetrations(model, data, [after.manifest.root_body for after in now], fixed, depths)
     mujoco.mj_kinematics(model, data)
     for before, after in pairs:
@@ -183,8 +186,10 @@ def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
     Left out are the name of the model, which is first, and those of keyframes, which are last; and the world's own
     geoms, which come before those of bodies: a larger crib has more bars.
     """
-    begin, end = model.name_bodyadr[0], model.name_keyadr[0] if model.nkey else len(model.names)
-    worlds, bodies = model.name_geomadr[0], model.name_geomadr[np.count_nonzero(model.geom_bodyid == WORLD)]
+    begin = model.name_bodyadr[0]
+    end = model.name_keyadr[0] if model.nkey else len(model.names)
+    worlds = model.name_geomadr[0]
+    bodies = model.name_geomadr[np.count_nonzero(model.geom_bodyid == WORLD)]
     return model.nq, model.nv, model.na, model.nu, model.names[begin:worlds] + model.names[bodies:end]
 
 
@@ -193,7 +198,7 @@ ROUNDS = 40  # Most times that it is moved; some are enough.
 UPWARDS = 0.1  # Least vertical part of a contact's normal at which lifting helps.
 FARTHEST = 0.2  # What a joint turns by in one round at most, in [rad], and what moves freely moves by, in [m].
 AT_LIMITS = 5  # Most times in a round that joints which reach the end of their range leave the rest to others.
-DAMPING = 1e-5  # Of contacts that contradict each other, relative to the largest.
+DAMPING = 1e-5  # Damping for contacts that contradict each other, relative to their strongest coupling.
 
 Mask = npt.NDArray[np.bool_]
 Depths = Mapping[tuple[int, int], float]  # Deepest penetration of each pair of bodies, [m]; the world is one.
@@ -214,7 +219,8 @@ def resolve_penetrations(
     yielding[fixed] = 0.0
     for _ in range(ROUNDS):
         mujoco.mj_fwdPosition(model, data)
-        touching, depths_m = root_of[data.contact.geom], -data.contact.dist
+        touching = root_of[data.contact.geom]
+        depths_m = -data.contact.dist
         pairs = model.geom_bodyid[data.contact.geom].tolist()
         usual_m = [before.get((first, second), 0.0) for first, second in pairs]
         usual_m = np.where(np.isin(touching, roots).any(axis=1), 0.0, usual_m)

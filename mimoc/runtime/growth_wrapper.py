@@ -24,7 +24,7 @@ COURSES: Mapping[str, str] = MappingProxyType(
     }
 )  # Courses that growth can take.
 
-STAGE_MONTHS = 0.25  # What an infant grows by at once: a quarter of a month moves nothing by more than a millimetre.
+STAGE_MONTHS = 0.25  # How much an infant grows at once; a quarter of a month moves nothing by more than a millimetre.
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,8 @@ def growth_schedule(
         course: `grown`, `adult`, `reversed` or `shuffled`.
         ages_months: The youngest and the oldest age.
         steps: Control steps from the beginning of the first stage to the end of the last one.
-        seed: Of the order of `shuffled`, or the generator that draws it.
-        stage_months: What the infant grows by at once; the first stage is the youngest age, the last one the oldest.
+        seed: Seed of the order of `shuffled`, or the generator that draws it.
+        stage_months: How much the infant grows at once; the first stage is the youngest age, the last one the oldest.
 
     Raises:
         UnknownNameError: If there is no such course.
@@ -132,9 +132,9 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
             env: The environment of an infant, as `mimoc.make` returns it.
             schedule: `grown`, `adult`, `reversed` or `shuffled`; or a function from the number of control steps taken
                 so far to the age in months, such as `growth_schedule` returns.
-            ages_months: For a word, the youngest and the oldest age.
-            steps: For a word, the control steps that growth takes.
-            seed: Of `shuffled`, or the generator that draws the order.
+            ages_months: The youngest and the oldest age, if the schedule is given by name.
+            steps: The control steps that growth takes, if the schedule is given by name.
+            seed: Seed of the order of `shuffled`, or the generator that draws it.
 
         Raises:
             UnknownNameError: If there is no such schedule.
@@ -149,8 +149,8 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         super().__init__(env)
         if not callable(schedule):
             schedule = growth_schedule(schedule, ages_months, steps, seed=seed)
-        infant: Any = env.unwrapped
-        self._infant, self._schedule = infant, schedule
+        self._infant: Any = env.unwrapped
+        self._schedule = schedule
         self.steps_done = 0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -159,8 +159,10 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         Raises:
             MimocError: If there is no such infant.
         """
-        due = self._schedule(self.steps_done)
-        options = {**(options or {})} if due == self._infant.age_months else {AGE: due, **(options or {})}
+        due_months = self._schedule(self.steps_done)
+        options = dict(options or {})
+        if due_months != self._infant.age_months:
+            options = {AGE: due_months, **options}
         return self.env.reset(seed=seed, options=options or None)
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -169,9 +171,9 @@ class GrowthWrapper(gymnasium.Wrapper[Any, Any, Any, Any]):
         Raises:
             MimocError: If there is no such infant.
         """
-        due = self._schedule(self.steps_done)
-        if due != self._infant.age_months:
-            self._infant.grow(to=due)
+        due_months = self._schedule(self.steps_done)
+        if due_months != self._infant.age_months:
+            self._infant.grow(to=due_months)
         stepped = self.env.step(action)
         self.steps_done += 1
         return stepped

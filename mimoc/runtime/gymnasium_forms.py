@@ -21,7 +21,7 @@ from mimoc.runtime.growing import options_given
 from mimoc.runtime.infant import Infant
 
 RESET_MASK = "reset_mask"  # Gymnasium's option: which environments are reset.
-Infos = dict[int, dict[str, Any]]  # Of each infant that has one.
+Infos = dict[int, dict[str, Any]]  # Info of each infant that has one, by its index.
 FINAL = "final_obs"  # What an infant saw last, which is not put into arrays.
 
 
@@ -110,12 +110,14 @@ class InfantVectorEnv(VectorEnv[Any, Any, Any]):
         limit: int | None,
     ) -> None:
         """Set Gymnasium's attributes; the first infant stands for all, except for their *spaces*."""
-        self._limit, self._own = limit, tuple(infant.max_steps for infant in infants)
+        self._limit = limit
+        self._own = tuple(infant.max_steps for infant in infants)
         self.autoreset_mode, self.num_envs = mode, len(spaces)
         self.metadata = {**metadata, "autoreset_mode": mode}
         self.single_action_space = infants[0].action_space
         self.action_space = batch_space(self.single_action_space, len(spaces))
-        self.single_observation_space, self.observation_space = spaces[0], batch_space(spaces[0], len(spaces))
+        self.single_observation_space = spaces[0]
+        self.observation_space = batch_space(spaces[0], len(spaces))
         if any(space != spaces[0] for space in spaces):
             unions = {name: _union([space[name] for space in spaces]) for name in spaces[0]}
             self.single_observation_space = Dict(unions)

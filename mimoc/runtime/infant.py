@@ -155,7 +155,9 @@ class Infant:
         voice = Voice(manifest.actuation.voice) if manifest.actuation.voice else None
         companions = bind_companions(model, bundle, noise, custom.companions, senses, voice, world)
         schedule = Schedule(senses, actuation, model, timing_of(manifest, senses), noise, companions, voice)
-        face, constraints, objects = face_of(bundle), Constraints(manifest.constraints, model), Objects(manifest, model)
+        face = face_of(bundle)
+        constraints = Constraints(manifest.constraints, model)
+        objects = Objects(manifest, model)
         changed = *constraints.model_fields, *task.model_fields, *expression_fields(face, model), *objects.model_fields
         fields = ModelFields(model, (*changed, *companions.model_fields))
         arousal = Arousal(manifest.actuation, model)
@@ -244,7 +246,8 @@ class Infant:
             UnknownNameError: If this infant has no such sense.
         """
         check_name("sense of this infant", sense, self.senses)
-        layout, of_infant = self.senses[sense].layout, self.manifest.of_infant
+        layout = self.senses[sense].layout
+        of_infant = self.manifest.of_infant
         return tuple(map(of_infant, layout)) if self.manifest.prefix else layout
 
     @property

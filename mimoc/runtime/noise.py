@@ -79,8 +79,8 @@ class Draw:
     xp: Any  # The array library.
     elapsed_s: float  # Time since the state; infinite if there is none.
     normals: Callable[..., Any]
-    """From a shape, (k, ...), to random numbers with mean 0 and standard deviation 1; an array of bool of this shape as
-    second argument marks those that are needed: others may be anything then."""
+    """Returns, for a shape (k, ...), random numbers with mean 0 and standard deviation 1; an array of bool of this
+    shape as second argument marks those that are needed: others may be anything then."""
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,10 @@ class Smooth:
             return drawn
         (xx, xy), (yx, yy), (first, mixed, second) = smooth_step(elapsed_s / self.time_constant_s)
         count = values.shape[1] // 2
-        value, rate, one, other = values[:, :count], values[:, count:], drawn[:, :count], drawn[:, count:]
+        value = values[:, :count]
+        rate = values[:, count:]
+        one = drawn[:, :count]
+        other = drawn[:, count:]
         changed = [xx * value + xy * rate + first * one, yx * value + yy * rate + (mixed * one + second * other)]
         return xp.concat(changed, axis=1)
 
@@ -215,7 +218,8 @@ def smooth_step(times: float) -> tuple[tuple[float, float], tuple[float, float],
     """Return both rows of A, and the numbers of L row by row, after some time constants; see `Smooth`."""
     past = min(times, FORGOTTEN)
     decay = math.exp(-past)
-    value, rate = (decay * (1 + past), decay * past), (decay * -past, decay * (1 - past))
+    value = (decay * (1 + past), decay * past)
+    rate = (decay * -past, decay * (1 - past))
     first = math.sqrt(max(1 - value[0] ** 2 - value[1] ** 2, 0.0))
     mixed = -(value[0] * rate[0] + value[1] * rate[1]) / first if first else 0.0
     return value, rate, (first, mixed, math.sqrt(max(1 - rate[0] ** 2 - rate[1] ** 2 - mixed * mixed, 0.0)))
@@ -251,7 +255,7 @@ class BandLimited(Noise):
     """
 
     noise: MotorNoise
-    cut_off_rad_s: FloatArray  # Of each filter, shape (1,).
+    cut_off_rad_s: FloatArray  # Cut-off of each filter, shape (1,).
 
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the controls, shape (k, n), and the state: of the noise, and of each filter, shape (k, 3 n)."""
@@ -299,7 +303,9 @@ class NoisyMotors:
         streams: NoiseStreams,
     ):
         self._noise: Noise = stack_terms([noise])
-        self._streams, self._steps, self._count = streams, physics_steps, len(actuation.actuators)
+        self._streams = streams
+        self._steps = physics_steps
+        self._count = len(actuation.actuators)
         self._actuators, self._draw = as_slice(actuation.actuators), Draw(NUMPY, timestep_s, self._next)
 
     def reset(self, data: mujoco.MjData) -> None:

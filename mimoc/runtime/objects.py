@@ -15,7 +15,7 @@ from mimoc.runtime.model_fields import ModelField
 from mimoc.runtime.sense import FloatArray
 from mimoc.schema.objects import Move, NewPlace
 
-STEP_M, DIRECTIONS = 0.01, 16  # Of the search for a free place within reach.
+STEP_M, DIRECTIONS = 0.01, 16  # Step and number of directions of the search for a free place within reach.
 
 Pose = tuple[FloatArray, Quaternion]  # Position in the world, shape (3,), and orientation.
 NOWHERE: Mapping[str, Pose] = {}  # No object is anywhere else than it was built.
@@ -127,7 +127,8 @@ class Objects:
             raise ValueError(f"object '{name}': '{hand}' is no hand of this infant")
         model, entry = self._model, self._entries[name]
         root, end = model.body(arms[hand].root).id, model.body(hand).id
-        shoulder_m, length_m = data.xpos[root].copy(), _length_m(model, root, end)
+        shoulder_m = data.xpos[root].copy()
+        length_m = _length_m(model, root, end)
         if entry.motion not in ("free", "sliding"):
             ahead = data.xmat[model.body(self._manifest.anatomy.trunk[-1]).id].reshape(3, 3)[:, 0]
             return shoulder_m + STRETCHED * length_m * ahead + (0.0, 0.0, entry.origin_m - entry.height_m / 2)

@@ -234,7 +234,8 @@ class BundleVariants:
         try:
             return self._of_spec(age_months, scene_seed)
         except MimocError as error:
-            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
+            name = self._bundle.manifest.name
+            problems = str(error).replace("\n", "; ")
             raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
 
     @cached_property

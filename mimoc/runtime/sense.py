@@ -133,7 +133,9 @@ class Vector(Sense):
             high: Largest one, likewise.
             bodies: The body in which each is measured, shape (n,); see `Sense.bodies`.
         """
-        self.name, self.bodies, self._layout = name, bodies, tuple(layout)
+        self.name = name
+        self.bodies = bodies
+        self._layout = tuple(layout)
         self.low, self.high = (np.broadcast_to(bound, len(self._layout)).astype(np.float64) for bound in (low, high))
         self.spaces = {name: Box(self.low.astype(np.float32), self.high.astype(np.float32), dtype=np.float32)}
 

@@ -71,7 +71,9 @@ class Simulation:
         self.steps_done = 0  # Control steps taken so far, in all episodes, by which infants with schedules grow.
         self._pictures = pictures or Pictures()
         for name, infant in infants.items():
-            infant.name, infant.simulation, infant.render_mode = name, self, self._pictures.mode
+            infant.name = name
+            infant.simulation = self
+            infant.render_mode = self._pictures.mode
         self._bind()
         for infant in infants.values():
             infant.action_space, infant.observation_space = infant.spaces()
@@ -158,7 +160,8 @@ class Simulation:
         stepped: dict[str, Stepped] = {}
         for infant in acting:
             action = actions[infant.name]
-            judged, observation = infant.judge(action, unstable=unstable), infant.observe()
+            judged = infant.judge(action, unstable=unstable)
+            observation = infant.observe()
             if unstable:
                 for reading in observation.values():
                     np.nan_to_num(reading, copy=False)
@@ -185,7 +188,8 @@ class Simulation:
         if variant is None:
             return
         growing.check_same_body(self.bare, variant.bare)
-        former, before = [infant.binding for infant in self.infants.values()], self.ages_months
+        former = [infant.binding for infant in self.infants.values()]
+        before = self.ages_months
         remembered = [copy.deepcopy(infant.companions.state) for infant in self.infants.values()]
         self._become(variant)
         growing.carry_on(former, [infant.binding for infant in self.infants.values()])
@@ -275,10 +279,13 @@ class Simulation:
         """Return a copy with these unbound infants, in the state of the original."""
         simulation = cls.__new__(cls)
         simulation._variant, simulation.variants, simulation._draws = kept["variant"], kept["variants"], kept["draws"]
-        simulation.infants, simulation._pictures = MappingProxyType(dict(infants)), kept["pictures"]
+        simulation.infants = MappingProxyType(dict(infants))
+        simulation._pictures = kept["pictures"]
         simulation.schedules, simulation.steps_done = kept["growth"]
         for name, infant in infants.items():
-            infant.name, infant.simulation, infant.render_mode = name, simulation, kept["pictures"].mode
+            infant.name = name
+            infant.simulation = simulation
+            infant.render_mode = kept["pictures"].mode
         simulation._bind()
         simulation._restore(kept["state"])
         simulation.renderer = simulation._open_renderer()
@@ -287,7 +294,8 @@ class Simulation:
     # Models.
 
     def _bind(self) -> None:
-        model, bundle = self.model if self._draws else self.bare, self.bundle
+        model = self.model if self._draws else self.bare
+        bundle = self.bundle
         self.data = mujoco.MjData(model)
         bundles = {"": bundle} if isinstance(bundle, Bundle) else bundle.infants
         for number, (name, infant) in enumerate(self.infants.items()):
@@ -298,13 +306,15 @@ class Simulation:
         self._control_step = ControlStep(self._schedules, dict.fromkeys(self.infants, self.data))
 
     def _open_renderer(self) -> EnvRenderer:
-        shown, roots = self._pictures, [infant.manifest.root_body for infant in self.infants.values()]
+        shown = self._pictures
+        roots = [infant.manifest.root_body for infant in self.infants.values()]
         size_px = shown.width_px, shown.height_px
         return EnvRenderer(shown.mode, self.bare, self.data, self.bundle.manifest, roots, size_px)
 
     def find(self, ages_months: Mapping[str, Any], scene_seed: int | None = None) -> Variant | None:
         """Return the infants with ages and a scene, or None if they have these already; see `growing.find_variant`."""
-        now, wanted = self.ages_months, {**self.ages_months, **ages_months}
+        now = self.ages_months
+        wanted = {**self.ages_months, **ages_months}
         return growing.find_variant(self.variants, self.bundle.manifest, now, wanted, scene_seed)
 
     def find_in_state(self, ages_months: Mapping[str, Any], scene_seed: Any) -> Variant | None:
@@ -361,7 +371,9 @@ class Simulation:
         within each other are an error.
         """
         self.is_started = False
-        model, data, infants = self.bare, self.data, list(self.infants.values())
+        model = self.bare
+        data = self.data
+        infants = list(self.infants.values())
         growing.put(poses, self._variant, data)
         infants[0].binding.objects.start(data, elsewhere)
         if check and len(infants) > 1:

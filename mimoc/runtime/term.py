@@ -30,7 +30,7 @@ import numpy.typing as npt
 
 from mimoc.runtime.worlds import Worlds
 
-Put = Callable[[np.ndarray], Any]  # From NumPy's array to that of the library in which a term runs.
+Put = Callable[[np.ndarray], Any]  # Converts NumPy's array to that of the library in which a term runs.
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Field(Term):
     """Some numbers of a field of `MjData` that has one axis, shape (k, n)."""
 
     name: str
-    """Of the field, such as `qpos`."""
+    """Name of the field, such as `qpos`."""
     addresses: npt.NDArray[np.intp]
     """Which of its numbers, shape (n,)."""
 

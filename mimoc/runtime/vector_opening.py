@@ -155,7 +155,9 @@ def make_vec_task(kind: str, num_envs: int = 1, **options: Any) -> "BatchEnv | D
     Options are those of `make_vec` and `make_task`; values of lists as `bundle` and `age_months` are repeated in turn.
     """
     lists = {name: listed(options[name]) for name in ("bundle", "age_months") if name in options}
-    prepared, rest, skin = [], options, None if options.get("device", "cpu") == "cpu" else False
+    prepared = []
+    rest = options
+    skin = None if options.get("device", "cpu") == "cpu" else False
     for index in range(min(num_envs, math.lcm(*map(len, lists.values())))):
         options_of_infant = {name: values[index % len(values)] for name, values in lists.items()}
         parts, rest = opening.prepared_task(kind, **{**options, **options_of_infant}, skin=skin)

@@ -86,7 +86,8 @@ class WorldEnv:
         draws = bool(render_mode) or any(custom.is_any for custom in self._custom.values())
         draws = draws or any(map(growing.sees_skin, manifests_of(variant.bundle).values()))
         infants = {name: Infant(custom) for name, custom in self._custom.items()}
-        pictures, self.render_mode = Pictures(render_mode, width, height), render_mode
+        pictures = Pictures(render_mode, width, height)
+        self.render_mode = render_mode
         self.simulation = Simulation(variant, infants, variants, pictures, draws=draws)
         self.possible_agents, self.agents = list(infants), list[str]()
         rate_hz = round(1 / ms_to_s(variant.bundle.manifest.step_ms))

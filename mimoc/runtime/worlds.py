@@ -175,7 +175,8 @@ def pressing_groups(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarra
 
 def largest_loads(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarray:
     """Return the largest normal force of a contact on each group of geoms in one world, shape (g,), [N]."""
-    loads, addresses = np.zeros(int(group_of_geom.max(initial=-1)) + 2), data.contact.efc_address
+    loads = np.zeros(int(group_of_geom.max(initial=-1)) + 2)
+    addresses = data.contact.efc_address
     touching = addresses >= 0
     if touching.any():
         forces_n = data.efc_force.take(addresses[touching])

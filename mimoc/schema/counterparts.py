@@ -10,7 +10,7 @@ from mimoc.schema.infant import InfantSpec, healthy
 from mimoc.schema.world import WorldPlan
 
 HEALTHY = "healthy"
-BESIDE = (HEALTHY,)  # Which counterparts can stand beside a child.
+BESIDE = (HEALTHY,)  # The counterparts that can stand beside a child.
 ELSEWHERE = {"name", "scene", "task"}  # Sections that say nothing of a body.
 _SIDE = re.compile(r"(?<![A-Za-z])(left|right)(?![A-Za-z])")
 
@@ -31,7 +31,7 @@ def counterpart(spec: InfantSpec, beside: str) -> InfantSpec:
         True
     """
     check_name("child to stand beside", beside, BESIDE)
-    other = healthy(spec).with_(actuation={"strength": None})
+    other = _unimpaired(spec)
     if other == spec:
         raise MimocError(f"{spec.name}: nothing impairs this child; give it impairments, or leave --beside out")
     return other
@@ -45,10 +45,15 @@ def world_counterpart(plan: WorldPlan, beside: str) -> WorldPlan:
         MimocError: If it is the same world, because nothing impairs a child in it.
     """
     check_name("child to stand beside", beside, BESIDE)
-    infants = {name: healthy(spec).with_(actuation={"strength": None}) for name, spec in plan.infants.items()}
+    infants = {name: _unimpaired(spec) for name, spec in plan.infants.items()}
     if infants == plan.infants:
         raise MimocError(f"{plan.spec.name}: nothing impairs a child of this world; leave --beside out")
     return replace(plan, infants=infants)
+
+
+def _unimpaired(spec: InfantSpec) -> InfantSpec:
+    """Return the same child without impairments, at all its strength."""
+    return healthy(spec).with_(actuation={"strength": None})
 
 
 def exchanged(text: str) -> str:

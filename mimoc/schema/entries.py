@@ -14,7 +14,8 @@ from pydantic import Field, StringConstraints
 class NameOf:
     """Marks a field, in its annotation, as the name of something in the model."""
 
-    kind: str  # What it is, such as `hinge`; a lock is an equality constraint of a joint, a weld one of two bodies.
+    kind: str
+    """What it names, such as `hinge`; a `lock` is an equality constraint on a joint, and a `weld` one on two bodies."""
 
 
 Label = Annotated[str, StringConstraints(max_length=1000)]  # A text that is only shown.
@@ -39,7 +40,7 @@ Amount = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]  # A number 
 Length = Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]  # A length, in [m].
 Duration = Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)]  # A delay, or a time constant, in [ms].
 ControlStep = Annotated[Duration, Field(ge=0.1, le=1000)]  # Duration of a control step, in [ms].
-Count = Annotated[int, Field(ge=0)]  # A number of things, or the number of one of them from 0.
+Count = Annotated[int, Field(ge=0)]  # A number of things, or the index of a thing, from 0.
 Size = Annotated[int, Field(ge=1)]  # A number of things of which there is at least one.
 Digest = Annotated[str, StringConstraints(pattern="^sha256:[0-9a-f]{64}$")]  # Digest of a bundle.
 Steps = Annotated[int, Field(ge=1, le=10**9)]  # Control steps.

@@ -135,7 +135,8 @@ class InfantSpec(FileModel):
 
     @model_validator(mode="after")
     def _says_nothing_of_what_is_missing(self) -> Self:
-        actuation, touch = self.actuation, getattr(self.senses, "touch", None)
+        actuation = self.actuation
+        touch = getattr(self.senses, "touch", None)
         groups = {
             ("actuation", "strength"): tuple(actuation.strength),
             ("actuation", "regions"): actuation.regions or (),
@@ -153,7 +154,8 @@ class InfantSpec(FileModel):
         touch = getattr(self.senses, "touch", None)
         if not touch or not touch.spacing_cm:
             return self
-        groups, key = parts_left(self.body), ("senses", "touch", "spacing_cm")
+        groups = parts_left(self.body)
+        key = ("senses", "touch", "spacing_cm")
         for name in touch.spacing_cm:
             if name not in groups:
                 message = f"this infant has no '{name}'; {suggestion(name, sorted(groups))}"
@@ -212,11 +214,14 @@ class InfantSpec(FileModel):
 
     @model_validator(mode="after")
     def _control_step_is_whole(self) -> Self:
-        control, key, against = self.control, ("control", "timestep_ms"), ("control", "step_ms")
+        control = self.control
+        key = ("control", "timestep_ms")
+        against = ("control", "step_ms")
         if "step_ms" in control.model_fields_set:
             key, against = against, key
         elif self.task:
-            against, step_ms = ("task", "kind"), TASKS[self.task.kind].step_ms
+            against = ("task", "kind")
+            step_ms = TASKS[self.task.kind].step_ms
             control = ControlSpec.model_construct(control.model_fields_set, **{**dict(control), "step_ms": step_ms})
             object.__setattr__(self, "control", control)
         try:
@@ -327,7 +332,8 @@ def parts_left(body: BodySpec) -> dict[str, str]:
     anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
     gone, group_of = set(body.remove), dict[str, str]()
     for side, part in anatomy.parts:  # Parents come first.
-        name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
+        name = part.name.format(side=side)
+        parent = (part.parent or "").format(side=side)
         if name in gone or parent in gone:
             gone.add(name)
         else:
@@ -343,7 +349,8 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     """
     if not body.remove:
         return
-    anatomy, left = assemble(body.hands, body.chest_joint, "published", body.extra or ()), parts_left(body)
+    anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
+    left = parts_left(body)
     for name in body.parts:
         if name not in left:
             _refuse(("body", "parts", name), f"'{name}' is removed, so it has no size")
@@ -399,7 +406,9 @@ def grown_individual(individual: IndividualSpec, before_months: float, after_mon
         z = standards.fat_z_score(individual.fat_percent, before_months)
         grown["fat_percent"] = rounded(max(standards.fat_percent(z, after_months), standards.MIN_FAT_PERCENT))
     for key, percentile in INDICATORS.items():
-        value, standard, reference = getattr(individual, key), load_tables().who[key], individual.sex or "mean"
+        value = getattr(individual, key)
+        standard = load_tables().who[key]
+        reference = individual.sex or "mean"
         if value is not None:
             z = standard.z_score(value, before_months, reference)
             grown[key] = rounded(standard.value(z, after_months, reference))

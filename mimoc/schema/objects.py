@@ -370,7 +370,8 @@ def _checked(name: str, place: Any) -> Move:
         return _PLACE.validate_python(place)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        key, what = ".".join(map(str, first["loc"])), first["msg"].lower()
+        key = ".".join(map(str, first["loc"]))
+        what = first["msg"].lower()
         problem = f"{key}: {what}" if key else f"{place!r:.40} is not a place"
         raise ValueError(f"object '{name}': {problem}; give {{'x_cm': 20, 'y_cm': 0}}, or {MOVABLE_TO}") from None
 

@@ -94,7 +94,8 @@ def _check_fields(record: Component) -> None:
     """Check that each field of a record has its type, and that the modules it names exist."""
     types = get_type_hints(type(record), localns={"Model": Model, "ReferencePart": ReferencePart})
     for field in fields(record):
-        value, key = getattr(record, field.name), f"{type(record).__name__}.{field.name}"
+        value = getattr(record, field.name)
+        key = f"{type(record).__name__}.{field.name}"
         try:
             TypeAdapter(types[field.name], config=ConfigDict(strict=True)).validate_python(value)
         except ValidationError as error:

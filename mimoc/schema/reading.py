@@ -56,7 +56,8 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
             latest = [fault(details, data, language) for details in error.errors(include_url=False)]
             known = {path[:depth] for path in {*source.invalid, *faults} for depth in range(len(path) + 1)}
             faults |= {new.path: new for new in reversed(latest) if not {new.path, new.against or new.path} & known}
-            before, data = data, _repaired(data, {new.path for new in latest}, language)
+            before = data
+            data = _repaired(data, {new.path for new in latest}, language)
             if data == before:
                 break
     if spec is None or source.problems or faults:
@@ -211,13 +212,15 @@ def _wrong_kind(details: ErrorDetails, section: KeyPath, language: Language) -> 
     path = (*section, details.get("ctx", {})["discriminator"].strip("'"))
     if details["type"] == "union_tag_not_found":
         return Fault(path, "key", _missing(path, language))
-    value, choices = details["input"][path[-1]], language.outline(path).choices
+    value = details["input"][path[-1]]
+    choices = language.outline(path).choices
     return Fault(path, "value", f"{got(value)} is not a choice; {_nearest(str(value)[:80], choices)}")
 
 
 def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
     """Return the message for an unknown key, in a section that may be one of several kinds."""
-    section, key = path[:-1], re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
+    section = path[:-1]
+    key = re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
     kinds = language.kinds_of(section)
     is_world = "infants" in language.outline(()).keys
     known = [name for name in kinds.get(kind, language.outline(section)).keys if is_world or name != ONE_OF_SEVERAL]

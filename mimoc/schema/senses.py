@@ -145,7 +145,8 @@ def noise_keys() -> dict[str, str]:
 
 
 def _spec_fields() -> dict[str, FieldInfo]:
-    fields, word = {}, cast(Any, Annotated[Literal["age", "adult"], Tag("word")])
+    fields = {}
+    word = cast(Any, Annotated[Literal["age", "adult"], Tag("word")])
     for name, key in noise_keys().items():
         noise: Any = SENSES[name].noise
         amount: Any = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]

@@ -90,7 +90,8 @@ def check_sizes(body: BodySpec, age_months: float, written: object = None) -> No
         if may_stand:
             continue
         line = written.locate(other.path)[0] if isinstance(written, Source) and written.has_lines else 0
-        place, value = f"'{dotted(other.path)}'" + (f" in line {line}" if line else ""), naming.said(body, age_months)
+        place = f"'{dotted(other.path)}'" + (f" in line {line}" if line else "")
+        value = naming.said(body, age_months)
         message = f"{value} contradicts {place}, which is {other.said(body, age_months)}; leave one of the two out"
         raise KeyedError(naming.path, message, against=other.path)
 

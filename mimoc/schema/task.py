@@ -68,6 +68,6 @@ def no_task() -> TaskEntry:
 
 def _one_of(sections: list[Any], default: Any, description: str) -> FieldInfo:
     """Return a field that holds one of several sections, identified by its `kind`."""
-    choice: Any = Annotated[reduce(or_, sections), Field(discriminator="kind")]
-    field = Field(default=default, description=description)
-    return FieldInfo.from_annotated_attribute(choice if default else choice | None, field)
+    section: Any = Annotated[reduce(or_, sections), Field(discriminator="kind")]
+    annotation = section | None if default is None else section
+    return FieldInfo.from_annotated_attribute(annotation, Field(default=default, description=description))

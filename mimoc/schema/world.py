@@ -84,7 +84,8 @@ class WorldSpec(FileModel):
 
     @model_validator(mode="after")
     def _furniture_has_one_infant_and_one_place(self) -> Self:
-        at, places = dict[str, Any](), {item.name: item.at for item in self.scene.objects}
+        at = dict[str, Any]()
+        places = {item.name: item.at for item in self.scene.objects}
         for index, item in enumerate(self.placed):
             if item.start_at is None:
                 continue
@@ -196,7 +197,9 @@ def in_world(plan: WorldPlan, name: str) -> InfantSpec:
     Raises:
         SpecError: If it cannot be there.
     """
-    infant, around, index = plan.infants[name], given(plan.spec.scene), list(plan.infants).index(name)
+    infant = plan.infants[name]
+    around = given(plan.spec.scene)
+    index = list(plan.infants).index(name)
     kept = {key: value for key, value in around.items() if key not in ("toys", "textures", "objects", "caregiver")}
     if start_at := plan.spec.placed[index].start_at:
         (item,) = (item for item in around["objects"] if item["name"] == start_at)

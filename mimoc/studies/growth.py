@@ -173,7 +173,8 @@ def grow_against_who(
 
 
 def _rows(child: InfantSpec) -> list[GrowthRow]:
-    measures, individual = measure_compiled(compile_infant(child)), child.body.individual
+    measures = measure_compiled(compile_infant(child))
+    individual = child.body.individual
     reference: Reference = (individual and individual.sex) or "mean"
     return compare_with_who(rounded(child.corrected_age_months), measures, reference, requests_of(child, measures))
 
@@ -208,7 +209,8 @@ def compare_with_who(
         if value is None or not standard.covers(age_months):
             continue
         z: dict[Reference, float] = {to: standard.z_score(value, age_months, to) for to in REFERENCES}
-        wanted, is_judged = (requests or {}).get(indicator), indicator not in (requests or {})
+        wanted = (requests or {}).get(indicator)
+        is_judged = indicator not in (requests or {})
         wanted_z = None if wanted is None else standard.z_score(wanted, age_months, reference)
         rows.append(GrowthRow(age_months, indicator, value, z, reference, wanted_z, is_judged or wanted is not None))
     return rows
@@ -345,9 +347,12 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
 
 
 def _compare(child: InfantSpec) -> Iterator[MeasurementRow]:
-    tables, age_months, average = fits.load_tables(), child.age_months, fits.measure(child.age_months)
+    tables = fits.load_tables()
+    age_months = child.age_months
+    average = fits.measure(child.age_months)
     wanted = child_of(child).measurements
-    wanted_m, measured_m = wanted.of_side("left"), measure_body(compile_infant(child))
+    wanted_m = wanted.of_side("left")
+    measured_m = measure_body(compile_infant(child))
     whole = child.model_copy(update={"body": child.body.model_copy(update={"parts": {}, "measurements": {}})})
     unchanged_m = measured_m if whole == child else measure_body(compile_infant(whole))
     named = {unsided(key) for key in child.body.measurements if not key.startswith("right_")}
@@ -356,7 +361,8 @@ def _compare(child: InfantSpec) -> Iterator[MeasurementRow]:
             mean = next(mean for mean in tables.anthrokids[name] if group_age(mean) == age_months)
             mean_cm, origin = mean.mean_cm, f"anthrokids.csv:{mean.line}"
         else:
-            mean_cm, origin = tables.published[name](age_months), f"anthrokids_published_fits.csv: {name}"
+            mean_cm = tables.published[name](age_months)
+            origin = f"anthrokids_published_fits.csv: {name}"
         requested = wanted_m[name] / average[name]
         is_judged = name in named or math.isclose(value_m, unchanged_m[name], rel_tol=SAME)
         yield MeasurementRow(age_months, name, m_to_cm(value_m), mean_cm, origin, requested, is_judged)

@@ -68,7 +68,8 @@ def _standard_curves(
     indicator: str, percentiles: Sequence[float], every_months: float, reference: Reference
 ) -> tuple[list[float], list[list[float]]]:
     """Return ages, in months, and at each of them the values of WHO's percentiles, one list for each of those."""
-    standard, steps = load_tables().who[indicator], round(LAST_MONTH / every_months)
+    standard = load_tables().who[indicator]
+    steps = round(LAST_MONTH / every_months)
     ages_months = [age for step in range(steps + 1) if standard.covers(age := step * every_months)]
     scores = [NormalDist().inv_cdf(percentile / 100) for percentile in percentiles]
     return ages_months, [[standard.value(z, age, reference) for age in ages_months] for z in scores]

@@ -109,7 +109,8 @@ class SB3Learner:
 
     def __init__(self, settings: TrainingSettings, infant: InfantEnv, env: VecNormalize, recording: Recording | None):
         self._settings, self._infant, self._env, self._recording = settings, infant, env, recording
-        self._agent, self._watch = make_agent(env, settings), RewardWatch()
+        self._agent = make_agent(env, settings)
+        self._watch = RewardWatch()
         self._recorder: Recorder
         self._interval_steps = 0
 
@@ -130,7 +131,8 @@ class SB3Learner:
 
     def begin(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
         """Begin an interval."""
-        settings, step_s = self._settings, ms_to_s(self._infant.manifest.step_ms)
+        settings = self._settings
+        step_s = ms_to_s(self._infant.manifest.step_ms)
         self._recorder = Recorder(before, step_s, report, on_row, self._watch)
         seek(self._env, settings, before.steps)
         if self._recording is not None:  # What a killed process has recorded of this interval comes again.
@@ -149,7 +151,7 @@ class SB3Learner:
         return self._recorder.progress()
 
     @property
-    def _replay_buffer(self) -> DictReplayBuffer | None:
+    def _replay_buffer(self) -> "DictReplayBuffer | None":  # A text, as the documentation mocks Stable-Baselines3.
         buffer = getattr(self._agent, "replay_buffer", None)
         return buffer if isinstance(buffer, DictReplayBuffer) else None
 
@@ -205,7 +207,9 @@ class Recorder(BaseCallback):
     ):
         """Continue the curve of earlier intervals; *report* gets the steps taken so far, *on_row* each new row."""
         super().__init__()
-        self._curve, self._before_steps, self._step_s = IntervalCurve(before, on_row), before.steps, step_s
+        self._curve = IntervalCurve(before, on_row)
+        self._before_steps = before.steps
+        self._step_s = step_s
         self._report, self._watch = report, watch
         self._ended = list[EpisodeResult]()
 
@@ -348,7 +352,8 @@ def _bind(
         network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
         set_weights(network, weights)
         for name in normalized_names(env.observation_space):
-            mean, variance = known[f"{name}.mean"], np.maximum(known[f"{name}.var"], 0.0)
+            mean = known[f"{name}.mean"]
+            variance = np.maximum(known[f"{name}.var"], 0.0)
             if not mean.shape == variance.shape == spaces_of(env)[name].shape:
                 raise ValueError(f"the statistics of '{name}' are of another shape")
             scale[name] = mean, np.sqrt(variance + hyper["observation_floor"] ** 2)

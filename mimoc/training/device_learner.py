@@ -129,9 +129,12 @@ class DeviceLearner:
 
     def begin(self, before: Progress, report: Callable[[int], None], on_row: Callable[[CurvePoint], None]) -> None:
         """Begin an interval, with episodes and random numbers that begin anew."""
-        self._start_s, self._report, self._rollout_steps = perf_counter(), report, 0
+        self._start_s = perf_counter()
+        self._report = report
+        self._rollout_steps = 0
         self._end = self._settings.end_of_interval(before.steps)
-        seed, step_s = self._settings.interval_seed(before.steps), ms_to_s(self._infant.manifest.step_ms)
+        seed = self._settings.interval_seed(before.steps)
+        step_s = ms_to_s(self._infant.manifest.step_ms)
         torch.manual_seed(seed)
         self._curve = DeviceCurve(before, step_s, self._rows.num_envs, self._rows.device, on_row)
         self._observation = self._rows.reset(seed)
@@ -165,7 +168,8 @@ class DeviceLearner:
             with torch.no_grad():
                 self._ppo.process_env_step(observation, self._scale.scaled(rewards, dones), dones, extras)
             self._report(self._curve.steps)
-            self._observation, self._rollout_steps = observation, self._rollout_steps + 1
+            self._observation = observation
+            self._rollout_steps = self._rollout_steps + 1
             if self._rollout_steps == int(self._settings.hyper["n_steps"]):
                 self._update()
 
@@ -221,9 +225,12 @@ class DeviceLearner:
 
     def use(self, others: "Sequence[DeviceLearner]" = ()) -> list[DeviceUse | None]:
         """Return what it and others took of their device, and what each policy does there."""
-        learners, uses, device = [self, *others], list[DeviceUse | None](), self._rows.env.infants.device
+        learners = [self, *others]
+        uses = list[DeviceUse | None]()
+        device = self._rows.env.infants.device
         for learner, success in zip(learners, success_rates(learners), strict=True):
-            manifest, rate = learner._infant.manifest, learner._steps / max(learner._taken_s, 1e-9)
+            manifest = learner._infant.manifest
+            rate = learner._steps / max(learner._taken_s, 1e-9)
             period = to_steps(manifest.step_ms, manifest.timestep_ms)
             name = f"{device.name} ({self._settings.device})"
             memory_mb = most_memory_mb(device)
@@ -325,7 +332,7 @@ def device_learners(
             "SameStep",
             settings[0].steps_per_episode,
             "torch",
-            "points",  # Of the skin, as on the CPU, where the policy is to run.
+            "points",  # Touch at points of the skin, as on the CPU, where the policy is to run.
         )
         with closing(batch):
             env = InfantRslEnv(batch, settings[0].seed)
@@ -361,7 +368,8 @@ class DeviceCurve:
         self._lengths += 1
         counts = dones & self._is_whole
         self._is_whole |= dones
-        ends, succeeds = counts.double(), (extras["is_success"] & counts).double()
+        ends = counts.double()
+        succeeds = (extras["is_success"] & counts).double()
         overflows = (extras["overflowed"] & dones).double()
         parts = ends, ends * self._returns, ends * self._lengths, succeeds, succeeds * self._lengths, overflows
         self._sums += torch.stack(parts).sum(dim=1)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.vector import AutoresetMode
-from tensordict import TensorDict
 
 from mimoc.base.errors import MimocError, MissingExtraError
 from mimoc.runtime.device.vector_env import DeviceEnv
@@ -49,11 +48,14 @@ class InfantRslEnv(VecEnv):
             raise MimocError("rsl_rl needs infants made with arrays='torch' and autoreset_mode='SameStep'")
         check_plain(infants.single_observation_space)
         space: Any = infants.single_action_space
-        self.infants, self.num_envs, self.num_actions = infants, infants.num_envs, space.shape[0]
+        self.infants = infants
+        self.num_envs = infants.num_envs
+        self.num_actions = space.shape[0]
         limits = infants.worlds.ended.limits
         self.max_episode_length = min(int(limits.max()), LIMIT)
         """Control steps after which the longest episode is truncated."""
-        self.device, self.cfg = limits.device, MappingProxyType[str, Any]({})
+        self.device = limits.device
+        self.cfg = MappingProxyType[str, Any]({})
         self.reset(seed)
 
     @property
@@ -109,9 +111,11 @@ class EnvRows:
     """Some of the infants on a device: those that one learner learns from."""
 
     def __init__(self, env: InfantRslEnv, first: int = 0, every: int = 1):
-        """Take the infant *first* of each *every* that follow one another."""
-        self.env, self.which = env, slice(first, None, every)
-        self.num_envs, self.num_actions = len(range(env.num_envs)[self.which]), env.num_actions
+        """Select each *every*-th infant, from *first* on."""
+        self.env = env
+        self.which = slice(first, None, every)
+        self.num_envs = len(range(env.num_envs)[self.which])
+        self.num_actions = env.num_actions
         self.device = env.device
 
     def get_observations(self) -> TensorDict:
@@ -121,8 +125,10 @@ class EnvRows:
     @without_gradients
     def reset(self, seed: int) -> TensorDict:
         """Begin an episode of each of these infants, with *seed* and the seeds that follow; others go on."""
-        mask, seeds = np.zeros(self.env.num_envs, dtype=bool), np.full(self.env.num_envs, None)
-        mask[self.which], seeds[self.which] = True, range(seed, seed + self.num_envs)
+        mask = np.zeros(self.env.num_envs, dtype=bool)
+        seeds = np.full(self.env.num_envs, None)
+        mask[self.which] = True
+        seeds[self.which] = range(seed, seed + self.num_envs)
         self.env.infants.reset(seed=seeds.tolist(), options={RESET_MASK: mask})
         return self.get_observations()
 

@@ -14,7 +14,7 @@ from mimoc.bundle.files import check_unlinked, discard, make_folder, remove, wri
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
 from mimoc.bundle.world import WorldBundle, is_world_folder, read_world_bundle
-from mimoc.policies.policy_file import MOST_BYTES
+from mimoc.policies.policy_file import MAX_BYTES
 from mimoc.recording.folder import digest, lock_folder, versions
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Plain, bounded
@@ -26,7 +26,7 @@ RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "cur
 CHECKPOINTS, BUNDLE = "checkpoints", "bundle"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "torch", "stable_baselines3")
 DEVICE_LIBRARIES = ("mujoco", "mujoco-warp", "warp-lang", "gymnasium", "numpy", "torch", "rsl-rl-lib")
-"""Of a training on a device."""
+"""Libraries of a training on a device."""
 
 
 class RunFile(Model):
@@ -162,7 +162,7 @@ def _read_run(path: Path) -> RunFile | None:
 def _content(path: Path) -> bytes | None:
     """Return the content of a regular file no larger than any checkpoint, None if there is none or it is unreadable."""
     try:
-        return read_regular_file(path, MOST_BYTES)
+        return read_regular_file(path, MAX_BYTES)
     except UnusableFileError as error:
         raise TrainingError(f"{path}: {error}") from None
 

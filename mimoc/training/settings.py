@@ -94,7 +94,8 @@ def complete(algo: str, chosen: Mapping[str, Number], device: str = CPU) -> dict
         raise UnknownNameError(f"hyperparameter of {algo}", name, known)
     values: dict[str, Number] = {}
     for name, item in sorted(known.items()):
-        value, whole = chosen.get(name, item.default), isinstance(item.default, int)
+        value = chosen.get(name, item.default)
+        whole = isinstance(item.default, int)
         if not item.low <= value <= item.high or (whole and value != int(value)):
             kind = "an integer" if whole else "a number"
             raise TrainingError(f"{name}: expected {kind} from {item.low:g} to {item.high:g}, got {value:g}")
@@ -253,7 +254,8 @@ NOTHING = "nothing"  # The observation of an infant without senses.
 
 def check_learnable(infant: InfantEnv) -> None:
     """Check that an infant observes something to learn from, in images that are large enough, and can act."""
-    manifest, space = infant.manifest, cast("Dict", infant.observation_space)
+    manifest = infant.manifest
+    space = cast("Dict", infant.observation_space)
     if not manifest.actuation.commands:
         raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")
     if [*space] == [NOTHING]:

@@ -304,7 +304,9 @@ def train_together(
         steps_done[run] = done
         progress(sum(steps_done), total * len(jobs))
 
-    runs, infants, openers = list[Run](), list[InfantEnv](), list[Callable[..., InfantEnv]]()
+    runs = list[Run]()
+    infants = list[InfantEnv]()
+    openers = list[Callable[..., InfantEnv]]()
     with ExitStack() as opened:
         for number, job in enumerate(jobs):
             bundle = building.compiled(job.source)

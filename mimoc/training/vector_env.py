@@ -67,7 +67,8 @@ class InfantVecEnv(DummyVecEnv):
             info = infos[infant]
             if done[infant]:
                 final, last = info.pop("final_obs"), info.pop("final_info")
-                self.reset_infos[infant], info = info, {**last, "terminal_observation": final}
+                self.reset_infos[infant] = info
+                info = {**last, "terminal_observation": final}
             info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
             last_infos.append(info)
         return observation, rewards.astype(np.float32), done, last_infos

@@ -130,7 +130,8 @@ def describe_surroundings(
 
     With *solids*, those of other infants under their skins are there as well.
     """
-    shown, bodies = _geoms(model, parts, solids), bodies_around(model, parts, solids=solids)
+    shown = _geoms(model, parts, solids)
+    bodies = bodies_around(model, parts, solids=solids)
     mesh_of_geom = model.geom_dataid[shown]
     meshes = np.unique(mesh_of_geom[model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
     return {
@@ -179,7 +180,8 @@ FINENESS = 3  # How often the faces of an icosahedron are divided for a ball: 64
 
 def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
     """Return the surface of a geom; MimocError if it has none, as a plane."""
-    kind, size = GEOM(int(model.geom_type[geom])), model.geom_size[geom]
+    kind = GEOM(int(model.geom_type[geom]))
+    size = model.geom_size[geom]
     if kind == GEOM.mjGEOM_MESH:
         verts, faces = (rows_of(model, part, model.geom_dataid[geom]) for part in ("mesh_vert", "mesh_face"))
         return model.mesh_vert[verts].astype(float), model.mesh_face[faces].astype(np.int64)
@@ -238,9 +240,11 @@ def rows_of(model: mujoco.MjModel, kind: str, index: int) -> slice:
 
 def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[tuple[Colour, Array]]:
     """Yield the colours of a skin, at most so many, each with its faces, shape (m, 3)."""
-    faces, material = model.skin_face[rows_of(model, "skin_face", index)], model.skin_matid[index]
+    faces = model.skin_face[rows_of(model, "skin_face", index)]
+    material = model.skin_matid[index]
     rgba = model.mat_rgba[material] if material >= 0 else model.skin_rgba[index]
-    pixels, first = texture_of(model, material), model.skin_texcoordadr[index]
+    pixels = texture_of(model, material)
+    first = model.skin_texcoordadr[index]
     if pixels is None or first < 0:
         yield colour_of(255 * rgba[:3]), faces
         return
@@ -248,7 +252,8 @@ def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[
     height, width = pixels.shape[:2]
     seen = pixels[(down * height).astype(int), (across * width).astype(int)] * rgba[:3]
     few = Image.fromarray(seen[None].astype(np.uint8), "RGB").quantize(colours, Image.Quantize.MEDIANCUT)
-    palette, chosen = np.array(few.getpalette()).reshape(-1, 3), np.asarray(few)[0]
+    palette = np.array(few.getpalette()).reshape(-1, 3)
+    chosen = np.asarray(few)[0]
     for number in np.unique(chosen).tolist():
         yield colour_of(palette[number]), faces[chosen == number]
 

@@ -17,7 +17,7 @@ Array = npt.NDArray[Any]
 KINDS = {"f": "<f4", "i": "<i2", "u": "<u4", "b": "|u1"}
 """How arrays are kept by kind of number: single precision, 16 bits with a sign, 32 without; bytes and booleans."""
 FINE_M = 2e-5  # Resolution of places of which there are thousands.
-ALIGNMENT = 4  # Of each array in the block, in bytes.
+ALIGNMENT = 4  # Alignment of each array in the block, in bytes.
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.page import Place, Progress, composed, describe, fill, move_bodies, move_home, with_surroundings
 
 FRAMES = 3000  # Frames of a page, at most: half a minute of every control step, or more of every other one and so on.
-MOST = 1e300  # Of what is shown: the difference of two numbers must be one, too.
+MAX_SHOWN = 1e300  # Largest number that is shown: the difference of two must be finite, too.
 LEVELS = 65535  # Steps between the least and the largest value of a curve.
 
 Array = npt.NDArray[Any]
@@ -52,7 +52,8 @@ def page_of_recording(
         MimocError: See `mimoc.viewer.page.page_of`.
     """
     episode = chosen_episodes(recording, infant, number)[0]
-    packed, bundle = EncodedArrays(), recording.bundle(episode.infant)
+    packed = EncodedArrays()
+    bundle = recording.bundle(episode.infant)
     alone = build(spec_of(bundle)) if bundle.manifest.prefix else None
     if alone and physics:
         raise MimocError("physics on a page is that of a single infant, and this one shares its world with others")
@@ -105,7 +106,7 @@ def describe_episode(
 class _Film:
     """Keeps the motion of an infant while it is simulated again."""
 
-    stride: int  # Of how many control steps each frame is the first.
+    stride: int  # Control steps from one frame to the next.
     alone: Bundle | None = None  # An infant that shares its world, as it is alone.
     model: mujoco.MjModel | None = None  # The first model.
     surroundings: dict[str, Any] = field(default_factory=dict)
@@ -119,7 +120,8 @@ class _Film:
 
     def __call__(self, env: Infant, observation: Observation) -> None:
         if self._own is None:
-            self.model, self._own = env.model, own_parts(env.model, env.manifest)
+            self.model = env.model
+            self._own = own_parts(env.model, env.manifest)
             self.surroundings = describe_surroundings(env.model, env.data, self._own, solids=bool(self.alone))
             if self.alone:
                 self._move = move_home(self.alone, env.bundle, env.model)
@@ -133,7 +135,8 @@ class _Film:
         if self._move is not None:
             for place in (*around, qpos[:7]):
                 place[:] = np.concatenate(composed(self._move, (place[:3].copy(), place[3:].copy())))
-        age_months, expression = env.manifest.child.age_months, expression_of(env.manifest, env.model)
+        age_months = env.manifest.child.age_months
+        expression = expression_of(env.manifest, env.model)
         self.frames.append((qpos, age_months, expression, around))
         if "touch" in observation:
             forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
@@ -187,7 +190,7 @@ def _curves(episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
 
 def _curve(name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
     """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
-    known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
+    known = np.clip(np.nan_to_num(values.astype(float)), -MAX_SHOWN, MAX_SHOWN)
     low, high = known.min(axis=0), known.max(axis=0)
     levels = np.rint((known - low) / np.where(high > low, high - low, 1) * LEVELS) - LEVELS // 2 - 1
     return {
@@ -219,9 +222,11 @@ def points_of(folder: Path) -> dict[str, Any] | None:
     if not is_retargeted(folder):
         return None
     retargeted = read_retargeted(folder)
-    recording, names = retargeted.recording, retargeted.recording.names
+    recording = retargeted.recording
+    names = retargeted.recording.names
     distances = np.linalg.norm(recording.positions - retargeted.fitted.positions, axis=-1) / recording.trunk
-    recorded, fitted = _drawn(recording.positions), _drawn(retargeted.fitted.positions)
+    recorded = _drawn(recording.positions)
+    fitted = _drawn(retargeted.fitted.positions)
     known = [bone for bone in BONES if {*bone} <= {*names}]
     both = np.concatenate([recorded, fitted]).reshape(-1, 2)
     low, high = np.nanmin(both, axis=0), np.nanmax(both, axis=0)

@@ -29,7 +29,8 @@ def bundle_html(bundle: "Bundle") -> str:
     """Return a picture of an infant, if one can be drawn here, and its measures with WHO's percentiles."""
     from mimoc.compiler.provenance import AMONG, SCALE_NOT_KNOWN, who_percentiles
 
-    child, percentiles = bundle.manifest.child, who_percentiles(bundle.manifest.child)
+    child = bundle.manifest.child
+    percentiles = who_percentiles(bundle.manifest.child)
     rows = [
         (name, f"{value:.1f} {unit}", f"{percentiles[key]:.0f}" if key in percentiles else "")
         for key, (name, unit) in MEASURES.items()

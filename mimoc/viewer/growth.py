@@ -37,7 +37,7 @@ class Own:
     geoms: IntArray
     joints: IntArray
     cameras: IntArray
-    qpos: IntArray  # Of the root: three numbers of its place, four of its orientation; then of each hinge.
+    qpos: IntArray  # Addresses of the three numbers of the root's place, the four of its orientation, and each hinge.
 
 
 def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
@@ -146,11 +146,13 @@ def describe_standards(children: Sequence[ChildEntry]) -> dict[str, Any]:
 
     Of a child whose size is not known there are the measures only, and None for percentiles.
     """
-    reference, is_known = children[0].sex or "mean", children[0].size_is_known
+    reference = children[0].sex or "mean"
+    is_known = children[0].size_is_known
     ages_months = [child.age_months for child in children]
     charts = {}
     for name in MEASURES:
-        values, standard = [getattr(child, name) for child in children], fits.load_tables().who[name]
+        values = [getattr(child, name) for child in children]
+        standard = fits.load_tables().who[name]
         scores = [standard.z_score(value, age, reference) for value, age in zip(values, ages_months, strict=True)]
         chart = who_chart(name, reference) if is_known else replace(who_chart(name, reference), bands=(), lines=())
         charts[name] = {

@@ -39,7 +39,8 @@ class Access:
     """
 
     def __init__(self) -> None:
-        self._token, self._is_token_used = secrets.token_urlsafe(16), False
+        self._token = secrets.token_urlsafe(16)
+        self._is_token_used = False
         self._cookie = secrets.token_urlsafe(16)
 
     def address(self, port: int) -> str:
@@ -50,7 +51,7 @@ class Access:
         """Return what processes only the requests that may be answered, and refuses all others."""
 
         def process(connection: Any, request: Any) -> Any:
-            # Of a header that is sent twice, both values count, and so it is not what is expected.
+            # Both values of a header that is sent twice count, and so it is not what is expected.
             host, origin, cookies = (", ".join(request.headers.get_all(name)) for name in ("Host", "Origin", "Cookie"))
             if LOCAL_HOST.fullmatch(host) and origin in ("", f"http://{host}"):
                 if self._has_cookie(host, cookies):
@@ -110,10 +111,10 @@ def _cookie_name(host: str) -> str:
 
 
 PORT = 8080
-CAMERA_M = (0.9, 0.6, 0.5)  # From where browsers look at first, relative to the infant.
+CAMERA_M = (0.9, 0.6, 0.5)  # Where browsers look from at first, relative to the infant.
 PICTURE_S = 0.04  # Simulated time between what browsers are sent; moving a skin takes some milliseconds.
 PAUSE_S = 0.02  # How often a paused page looks whether it goes on.
-COLOURS = 6  # Of the pictures on a skin: faces of each are a mesh of their own.
+COLOURS = 6  # Most colours of the picture on a skin: faces of each are a mesh of their own.
 
 
 class LiveView(AbstractContextManager["LiveView"]):

@@ -233,7 +233,7 @@ def _escaped(text: str) -> str:
     return text.replace("&", "&amp;").replace("<", "&lt;")
 
 
-COLOURS = 12  # Of the picture on a skin of an infant that is around another one: faces of each are a mesh of their own.
+COLOURS = 12  # Most colours of the skin of an infant around another one: faces of each are a mesh of their own.
 FloatArray = npt.NDArray[np.float64]
 Place = tuple[FloatArray, FloatArray]  # A place in [m], shape (3,), and an orientation as a quaternion, shape (4,).
 
@@ -270,7 +270,9 @@ def _page(
     *,
     is_now: bool = False,
 ) -> str:
-    packed, known, about = EncodedArrays(), dict[int, tuple[Bundle, Any]](), dict[str, Any]()
+    packed = EncodedArrays()
+    known = dict[int, tuple[Bundle, Any]]()
+    about = dict[str, Any]()
     for number, (called, (infant, model, data)) in enumerate(infants.items()):
         if id(infant) not in known:
 
@@ -280,7 +282,8 @@ def _page(
             alone = build(spec_of(infant)) if infant.manifest.prefix else infant
             known[id(infant)] = alone, packed.put(describe(alone, progress=report))
         alone, described = known[id(infant)]
-        own, home = own_parts(model, infant.manifest), move_home(alone, infant, model)
+        own = own_parts(model, infant.manifest)
+        home = move_home(alone, infant, model)
         around = describe_surroundings(model, data, own)
         _add_skins(around, model, data, own.bodies)
         move_bodies(around["bodies"], home)
@@ -366,7 +369,8 @@ def _skin_meshes(
 
 def with_surroundings(about: Mapping[str, Any], around: dict[str, Any], model: mujoco.MjModel) -> dict[str, Any]:
     """Return surroundings with materials and pictures of their own, behind those of the infant."""
-    described, numbers = describe_materials(model), around["geoms"]["material"]
+    described = describe_materials(model)
+    numbers = around["geoms"]["material"]
     used = sorted({int(number) for number in numbers if number >= 0})
     materials, textures = [*about["materials"]], [*about["textures"]]
     for number in used:

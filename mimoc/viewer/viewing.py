@@ -24,10 +24,10 @@ from mimoc.viewer.encoding import EncodedArrays
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.page import Progress, describe, fill, page_of, page_of_infants, page_of_world, with_posture
 
-if TYPE_CHECKING:  # What reads recordings needs an extra.
+if TYPE_CHECKING:  # The reader of recordings needs an extra.
     from mimoc.recording.reading import ReadRecording
 
-HEIGHT_PX = 620  # Of a page in a notebook.
+HEIGHT_PX = 620  # Height of a page in a notebook.
 
 
 class View:
@@ -41,16 +41,16 @@ class View:
     """
 
     def __init__(self, html: str, difference: str | None = None):
-        """Keep a page, and what is said of a recording that did not come out again."""
+        """Keep a page, and the `difference` of a recording from its simulation."""
         self.html = html
         """The page itself."""
         self.difference = difference
-        """The first number of a recording that did not come out again when it was simulated for the page, if any."""
+        """The first number of a recording that differed when it was simulated again for the page, if any."""
         self.path: Path | None = None
-        """Where it was saved, if it was."""
+        """Where the page was saved; None if it was not."""
 
     def __repr__(self) -> str:
-        """Return how large it is, and where it was saved."""
+        """Return how large the page is, and where it was saved."""
         return f"View({len(self.html) / 1e6:.1f} MB{f', saved as {self.path}' if self.path else ''})"
 
     def _repr_html_(self) -> str:
@@ -87,14 +87,14 @@ def view(
     It is one file, which needs no server and no network. As the last value of a notebook's cell it is shown there.
 
     Args:
-        shown: A bundle or its folder, a spec or its file (.yaml, .yml); a recording or its folder; or an
-            environment, whose infant is shown as it is now. Or a world of several infants, in any form that
-            `mimoc.make_parallel` takes, or its environment: the page shows all, and is of one at a time. Of a vector
-            environment it shows the first eight infants.
+        shown: A bundle, a spec or a recording, or its path (a folder, or a .yaml or .yml file of a spec); or an
+            environment, whose infant is shown as it is now; or a world of several infants, in any form that
+            `mimoc.make_parallel` takes, or its environment. The page of several infants shows one at a time. Of a
+            vector environment it shows the first eight.
         path: Also write the page to this file, which ends in .html.
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act: 4 MB more.
-        infant: Which of several recorded infants; the first one if it is not said.
-        episode: Which recorded episode; the first one if it is not said.
+        infant: Which of several recorded infants; by default, the first.
+        episode: Which recorded episode; by default, the first.
         progress: Called with how much is done, and how much there is to do.
 
     Raises:
@@ -150,7 +150,7 @@ def is_recording(path: str | Path) -> bool:
 
 
 def _recording_of(shown: object) -> "ReadRecording | None":
-    """Return the recording that is to be shown, if it is one; only then what reads recordings is imported."""
+    """Return the recording that is to be shown, or None; the reader of recordings is imported only if it is one."""
     if isinstance(shown, (str, Path)) and is_recording(shown):
         from mimoc.recording.reading import read_recording
 
@@ -160,8 +160,9 @@ def _recording_of(shown: object) -> "ReadRecording | None":
 
 
 def _page_of_env(env: InfantEnv, physics: bool) -> str:
-    """Return the page of an infant that is as it is now."""
-    packed, infant = EncodedArrays(), own_parts(env.model, env.manifest)
+    """Return the page of an environment's infant in its present state."""
+    packed = EncodedArrays()
+    infant = own_parts(env.model, env.manifest)
     about: dict[str, Any] = packed.put(describe(env.bundle, physics))
     about = with_posture(about, packed, env.data.qpos[infant.qpos], env.manifest.child.length_cm)
     return fill({**about, "surroundings": describe_surroundings(env.model, env.data, infant)}, packed)

@@ -84,7 +84,7 @@ BUILT = {
     "senses.vision.focus": 1,
     "senses.vision.vergence": "age",
     "senses.vision.fovea": "age",
-    "senses.vision.filters": "age",
+    "senses.vision.flicker": "age",
     "delays.preset": "paper",
     "delays.sensory_ms": 50,
     "delays.proprioception_ms": 50,

@@ -15,7 +15,7 @@ from mimoc.base.units import DAYS_PER_MONTH
 from mimoc.body.grow import grow_tree
 from mimoc.body.kinematics import Stature, stature
 from mimoc.compiler import child
-from mimoc.compiler.child import LARGEST, LEAST, check_available
+from mimoc.compiler.child import MAX_RATIO, MIN_RATIO, check_available
 from mimoc.compiler.measuring import compile_infant
 from mimoc.compiler.variants import at_age
 from mimoc.fits import measure
@@ -280,9 +280,9 @@ def test_what_real_children_measure_is_plausible(case):
 )
 def test_plausible_is_what_is_near_the_average_of_that_age(age_months, name, factor):
     value_cm = 100 * measure(age_months)[name] * factor
-    assume(0 < value_cm <= 150 and abs(factor / LEAST - 1) > 1e-9 < abs(factor / LARGEST - 1))
+    assume(0 < value_cm <= 150 and abs(factor / MIN_RATIO - 1) > 1e-9 < abs(factor / MAX_RATIO - 1))
     child = spec(age_months, **{f"{name}_cm": value_cm})
-    if LEAST <= factor <= LARGEST:
+    if MIN_RATIO <= factor <= MAX_RATIO:
         check_available(child)
     else:
         with pytest.raises(SpecError, match="times what the average child of"):

@@ -24,7 +24,7 @@ ROOT = Path(mimoc.__file__).parent
 FOLDERS = ("anatomy", "body", "compiler", "fits", "schema")
 CARRIERS = (mimoc.InfantSpec, Measurements, Anatomy, Reference, Shapes, Masses, BodyTree, GrownBody, SceneTree)
 """The spec, and what the stages of a build make of it."""
-MOST_RETURNS = 25
+MAX_RETURNS = 25
 
 
 def way_of(build: Callable[[], object]) -> list[str]:
@@ -67,7 +67,7 @@ def test_a_build_comes_back_to_a_module_at_most_25_times(spec):
     builder(spec)  # What is imported or read from tables at first is no part of the way.
     way = way_of(lambda: builder(spec))
     assert {"compiler/building.py", "body/grow.py", "compiler/assembling.py", "compiler/manifest.py"} < set(way)
-    assert returns(way) <= MOST_RETURNS, way
+    assert returns(way) <= MAX_RETURNS, way
 
 
 def test_a_body_goes_through_its_stages_once_in_their_order(spec):
@@ -104,11 +104,11 @@ def test_a_spec_that_was_changed_without_validation_is_validated(tmp_path):
 
 
 SPEC = Path(__file__).parents[2] / "configs" / "nine_months.yaml"
-MOST_CHANGES = 1500
+MAX_CHANGES = 1500
 
 
 def test_a_build_changes_folder_at_most_1500_times():
     spec = mimoc.load_spec(SPEC)
     mimoc.build(spec)  # What is imported or read from tables at first does not count.
     changes = folder_changes(lambda: mimoc.build(spec))
-    assert 300 < changes.total() <= MOST_CHANGES, changes.most_common(10)
+    assert 300 < changes.total() <= MAX_CHANGES, changes.most_common(10)

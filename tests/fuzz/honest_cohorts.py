@@ -32,7 +32,7 @@ from mimoc.studies.cohorts.run_jobs import run_jobs
 from mimoc.studies.cohorts.store import Result, Store
 from mimoc.training.settings import check_learnable
 
-MOST_INFANTS = 4
+MAX_INFANTS = 4
 TRIES = 1000  # Cohorts that are drawn until one is valid.
 ENGINE = "here"  # Name of this module as an engine.
 NAMED = tuple(name for name, kind in POLICIES.items() if not needs_argument(kind))
@@ -170,7 +170,7 @@ def valid_cohort(generator: np.random.Generator, folder: Path) -> Path:
         path.write_text(dump(data))
         with contextlib.suppress(MimocError):
             cohort = Cohort(path)
-            if len(children_of(cohort.spec)) <= MOST_INFANTS and len(cohort.infants) <= MOST_INFANTS:
+            if len(children_of(cohort.spec)) <= MAX_INFANTS and len(cohort.infants) <= MAX_INFANTS:
                 check_possible(cohort)
                 return path
     raise AssertionError("no valid cohort was drawn")

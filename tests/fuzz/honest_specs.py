@@ -28,7 +28,7 @@ from mimoc.schema.kinds import SENSES
 from mimoc.schema.names import MEASUREMENT_KEYS, RANGED, SIDED_MEASUREMENT_KEYS, limb_bodies, unsided
 from mimoc.schema.source import in_memory
 
-MOST_KEYS = 3  # Keys of a section that are drawn.
+MAX_KEYS = 3  # Keys of a section that are drawn.
 ENDS, NEAR = 0.1, 0.4
 """How often a number is one of the ends of its range, and how often it is near the default, if it has one."""
 ROUNDS = 40  # How often keys are left out because of which a spec is refused.
@@ -59,12 +59,12 @@ def _place(generator: np.random.Generator) -> Any:
 def _measurements(generator: np.random.Generator) -> dict[str, float]:
     """Return a few measurements that are not far from those of a child of any age."""
     average_m = measure(pick(generator, AGES_MONTHS))
-    keys = generator.permutation(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)[: generator.integers(1, MOST_KEYS)]
+    keys = generator.permutation(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)[: generator.integers(1, MAX_KEYS)]
     return {key: round(100 * average_m[unsided(key)] * float(generator.uniform(0.8, 1.25)), 2) for key in keys.tolist()}
 
 
 def _contractures(generator: np.random.Generator) -> dict[str, list[float]]:
-    names = generator.permutation(sorted(RANGED))[: generator.integers(1, MOST_KEYS)].tolist()
+    names = generator.permutation(sorted(RANGED))[: generator.integers(1, MAX_KEYS)].tolist()
     return {name: [between(-90, 0)(generator), between(0, 90)(generator) - 5] for name in names}
 
 
@@ -98,7 +98,7 @@ HINTS: Hints = {
     **dict.fromkeys(("delay_ms", "pause_ms", "duration_ms"), among(0.0, 10.0, 400.0, 1000.0)),
     "yoked_s": among([0.0], [0.01, 0.05]),
 }
-LEAST = {"spacing_cm": 0.5}  # Of numbers below some keys: less only takes longer.
+MIN_VALUES = {"spacing_cm": 0.5}  # Of numbers below some keys: less only takes longer.
 
 
 @cache
@@ -145,7 +145,7 @@ class SpecDrawing(Drawing):
         known = node.get("properties", {})
         needed = [key for key in known if key in node.get("required", ()) or "const" in known[key]]
         free = [key for key in known if key not in needed]
-        most = min(len(free), MOST_KEYS)
+        most = min(len(free), MAX_KEYS)
         chosen = {
             *needed,
             *self.generator.permutation(free)[: self.generator.integers(min(1, most), most + 1)].tolist(),
@@ -153,16 +153,16 @@ class SpecDrawing(Drawing):
         drawn = {key: self._keyed(key, inner) for key, inner in known.items() if key in chosen}
         if more := node.get("additionalProperties"):
             names = node["propertyNames"]["enum"]
-            for name in self.generator.permutation(names)[: self.generator.integers(1, MOST_KEYS)].tolist():
+            for name in self.generator.permutation(names)[: self.generator.integers(1, MAX_KEYS)].tolist():
                 drawn[name] = self.value(more)
         return {key: value for key, value in drawn.items() if value is not OMITTED}
 
     def _keyed(self, key: str, node: Any) -> Any:
         if key in self.hints and not (key == "object" and "enum" in node):
             return self.hints[key](self.generator)
-        if key in LEAST:
+        if key in MIN_VALUES:
             node = self.resolved(node)
-            node = {**node, "additionalProperties": {**node["additionalProperties"], "minimum": LEAST[key]}}
+            node = {**node, "additionalProperties": {**node["additionalProperties"], "minimum": MIN_VALUES[key]}}
         return self.value(node)
 
     def _number(self, node: Any) -> float:

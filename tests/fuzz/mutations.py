@@ -153,7 +153,7 @@ def _places(data: Any) -> Any:
 
 OMITTED = object()  # What a hint gives for a key that is to be left out.
 FULL = 0.35  # How often a key is there that may be left out.
-MOST_ITEMS = 3
+MAX_ITEMS = 3
 
 Hints = Mapping[str, Callable[[np.random.Generator], Any]]
 """What draws the value of a key of some name, which the schema alone says too little of."""
@@ -199,7 +199,7 @@ class Drawing:
                 drawn[key] = self.hints[key](self.generator) if key in self.hints else self.value(inner)
         more = node.get("additionalProperties")
         if names := node.get("propertyNames", {}).get("enum"):
-            for _ in range(self.generator.integers(MOST_ITEMS)):
+            for _ in range(self.generator.integers(MAX_ITEMS)):
                 drawn[pick(self.generator, names)] = self.value(more)
         return {key: value for key, value in drawn.items() if value is not OMITTED}
 
@@ -207,7 +207,7 @@ class Drawing:
         if "prefixItems" in node:
             drawn = [self.value(item) for item in node["prefixItems"]]
             return sorted(drawn) if all(isinstance(value, (int, float)) for value in drawn) else drawn
-        most = min(MOST_ITEMS, node.get("maxItems", MOST_ITEMS))
+        most = min(MAX_ITEMS, node.get("maxItems", MAX_ITEMS))
         drawn = [self.value(node["items"]) for _ in range(self.generator.integers(1, most + 1))]
         return [value for number, value in enumerate(drawn) if value not in drawn[:number]]
 

@@ -10,7 +10,8 @@ from support.filmed import BODY_25_POINTS, beside, coco_entries, filmed, missed,
 import mimoc
 from mimoc.base.errors import RecordingError
 from mimoc.bundle.regular_files import UnusableFileError
-from mimoc.motion.persons import Detections, find_tracks, identity, seen_twice
+from mimoc.motion.persons import identity
+from mimoc.motion.tracks import Detections, find_tracks, seen_twice
 
 LOST = "nobody who is seen can be the infant, being too far from where it was, or of another size"
 

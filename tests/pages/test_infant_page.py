@@ -88,7 +88,7 @@ def test_a_hand_that_is_dragged_follows_within_the_limits_of_its_joints(shown):
     assert np.allclose(after[0], before[0], atol=1e-6)
     assert shown.evaluate(
         """() => mimoc.body.jointNames.every((_, joint) => {
-            const [low, high] = mimoc.body.joints(joint);
+            const [low, high] = mimoc.body.limits(joint);
             const angle = mimoc.body.qpos[7 + joint];
             return low - 1e-4 <= angle && angle <= high + 1e-4;
         })"""

@@ -15,7 +15,7 @@ from mimoc.compiler import building
 from mimoc.components.senses.touch import run
 from mimoc.components.senses.touch.run import skin_markers
 from mimoc.render import body_camera
-from mimoc.render.body_camera import MOST, UNLOADED, BodyCamera
+from mimoc.render.body_camera import MOST_LOADED, UNLOADED, BodyCamera
 from mimoc.render.camera import (
     CLEARANCE_M,
     FROM_THE_FRONT,
@@ -302,7 +302,7 @@ def test_the_points_that_are_pressed_are_larger_and_the_one_most_so_has_the_stro
     assert np.array_equal(markers.positions_m, state.positions)
     assert set(state.bodies[forces_n > 0]) <= {"left_foot", "right_foot", "left_toes", "right_toes"}
     assert markers.radii_m[forces_n > 0].min() > 1.2 * markers.radii_m[forces_n == 0].max()
-    assert markers.colours[forces_n.argmax()] == pytest.approx(MOST)
+    assert markers.colours[forces_n.argmax()] == pytest.approx(MOST_LOADED)
     assert markers.colours[forces_n == 0] == pytest.approx(np.tile(UNLOADED, ((forces_n == 0).sum(), 1)))
 
 

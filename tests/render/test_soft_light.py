@@ -168,7 +168,7 @@ def test_pictures_change_nothing_of_a_model(bundle_at):
     """Eyes and viewers see the floor, the sky and the lights that they saw."""
     model, data = load_posed(bundle_at(9), "sitting")
     before = {name: np.copy(getattr(model, name)) for name in ("tex_data", "tex_width", "light_dir", "geom_group")}
-    camera = BodyCamera(model, ["hip"], 32, 32, as_it_is=True)
+    camera = BodyCamera(model, ["hip"], 32, 32, static_materials=True)
     camera.render(data)
     camera.close()
     for name, values in before.items():

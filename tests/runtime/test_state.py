@@ -137,7 +137,7 @@ def test_a_time_limit_truncates(bundle):
     env.close()
 
 
-LEAST_DIFFERENCE = 15
+MIN_DIFFERENCE = 15
 """So many pixels of a picture of 240 by 240 differ at least: it shows."""
 
 
@@ -175,7 +175,7 @@ def test_there_are_nine(env):
 def test_every_two_of_them_look_different(env):
     pictures = {expression: picture(env, expression) for expression in EXPRESSIONS}
     for one, other in combinations(EXPRESSIONS, 2):
-        assert changed_pixels(pictures[one], pictures[other]) > LEAST_DIFFERENCE, (one, other)
+        assert changed_pixels(pictures[one], pictures[other]) > MIN_DIFFERENCE, (one, other)
 
 
 def test_changing_back_and_forth_gives_the_same_picture(env):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings, strategies as st
 from pydantic import ValidationError
-from support.any_specs import LEAST, specs
+from support.any_specs import MINIMAL, specs
 
 from mimoc.base.errors import SpecError
 from mimoc.components.senses.vision import VisionSpec
@@ -139,12 +139,12 @@ def test_acuity_takes_four_forms(acuity):
 )
 def test_no_type_is_taken_for_another(section, wrong):
     with pytest.raises(SpecError):
-        InfantSpec.model_validate({**LEAST, section: wrong})
+        InfantSpec.model_validate({**MINIMAL, section: wrong})
 
 
 @pytest.mark.parametrize("timestep_ms", [1, 2.5, 5])
 def test_delays_are_whole_physics_steps_of_the_spec_s_own_clock(timestep_ms):
-    given = {**LEAST, "control": {"timestep_ms": timestep_ms}, "senses": {"touch": {}}}
+    given = {**MINIMAL, "control": {"timestep_ms": timestep_ms}, "senses": {"touch": {}}}
     InfantSpec.model_validate({**given, "delays": {"touch_ms": 3 * timestep_ms}})
     with pytest.raises(SpecError, match="nearest that works"):
         InfantSpec.model_validate({**given, "delays": {"touch_ms": 3.3 * timestep_ms}})

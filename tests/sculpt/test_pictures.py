@@ -57,6 +57,7 @@ def test_painting_again_gives_the_same_bytes(painted):
     assert {name: hashlib.sha256(png).hexdigest() for name, png in pngs.items()} == shipped
 
 
+@pytest.mark.full
 def test_mixtures_that_are_shipped_are_those_of_the_palettes(painted):
     mixed_pictures = {name: picture.mixtures for name, picture in painted.items() if isinstance(picture, Painted)}
     assert mixtures().keys() == mixed_pictures.keys()

@@ -9,7 +9,7 @@ from mimoc.schema import InfantSpec, PartSpec
 from mimoc.schema.body import Clothes, EyeColour, HairColour, SkinTone
 from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, STRENGTH_GROUPS, limb_bodies, trunk_bodies
 
-LEAST = {"mimoc": 1, "name": "x", "age_months": 9}
+MINIMAL = {"mimoc": 1, "name": "x", "age_months": 9}
 
 LOOKS = {
     "skin": st.sampled_from(get_args(SkinTone)),
@@ -38,7 +38,7 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
     said = measurements or scaled or strength  # Of parts, which must not be removed then.
     return InfantSpec.model_validate(
         {
-            **LEAST,
+            **MINIMAL,
             "age_months": age_months,
             "body": {
                 "hands": hands,

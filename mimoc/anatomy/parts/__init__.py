@@ -1,7 +1,7 @@
 """The parts that bodies are assembled from: MIMo's, and others' by the entry points `mimoc.parts`."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 
 from mimoc.anatomy.part import MATURING_GROUPS, BodyGeometry, PartKind, ReferencePart
 from mimoc.anatomy.parts import hands, head, trunk
@@ -30,7 +30,7 @@ def feet_of(kind: str) -> tuple[PartKind, PartKind]:
 
 
 def check_parts(kind: PartKind) -> None:
-    """Raise a KindError unless the parts of a kind fit together, and onto MIMo's body: the first that is wrong."""
+    """Raise a KindError with the first reason why a kind's parts do not fit together or onto MIMo's body."""
     if problem := next(_problems(kind), None):
         raise KindError(f"the body part '{kind.name}' does not fit: {problem}")
 
@@ -40,39 +40,36 @@ def check_dimensions(kind: PartKind, dimensions: BodyGeometry) -> None:
     for part in kind.parts:
         missing = [geom.name for geom in part.geoms if geom.name not in dimensions.shapes]
         if part.name not in dimensions.origins or missing:
-            what = f"size and place of the geom '{missing[0]}'" if missing else f"the place of '{part.name}'"
-            raise KindError(f"the shape of the body part '{kind.name}' does not say {what}")
+            needed = f"size and place of the geom '{missing[0]}'" if missing else f"the place of '{part.name}'"
+            raise KindError(f"the shape of the body part '{kind.name}' does not say {needed}")
 
 
 def _problems(kind: PartKind) -> Iterator[str]:
     if not kind.parts:
         yield "it has no parts"
-    hands = [] if kind.replaces else [other for other in PARTS.values() if other.replaces == "hands"]
-    usual = (TRUNK, ARM, HEAD, EYES, LEG, *feet_of(kind.name)[:1], *hands)
+    other_hands = [] if kind.replaces else [other for other in PARTS.values() if other.replaces == "hands"]
+    right_foot, _ = feet_of(kind.name)
+    usual = (TRUNK, ARM, HEAD, EYES, LEG, right_foot, *other_hands)
     parents = {part.name for other in usual for part in other.parts}
     for part in kind.parts:
-        if part.parent not in parents:
-            yield f"'{part.name}' is on '{part.parent}'; {suggestion(str(part.parent), sorted(parents))}"
-        if "{side}" in str(part.parent) and "{side}" not in part.name:
-            yield f"'{part.name}' is on a part of both sides; write '{{side}}' into its name"
+        yield from _problems_of_parent(part, parents)
         parents.add(part.name)
         yield from _problems_of_part(part)
     if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != ("{side}_hand", "{side}_lower_arm"):
         yield "hands begin with '{side}_hand', which is on '{side}_lower_arm'"
-    others = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
-    taken = {name for other in (*usual, *others) for part in other.parts for name in _names(part)}
-    for name, count in Counter(name for part in kind.parts for name in _names(part)).items():
-        if name in taken or count > 1:
-            yield f"the name '{name[1]}' is taken; choose another one"
+    yield from _problems_of_names(kind, usual)
 
 
-def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
-    for item in (part, *part.geoms, *part.joints, *part.motors):
-        yield type(item), item.name
+def _problems_of_parent(part: ReferencePart, parents: Collection[str]) -> Iterator[str]:
+    if part.parent not in parents:
+        yield f"'{part.name}' is on '{part.parent}'; {suggestion(str(part.parent), sorted(parents))}"
+    if "{side}" in str(part.parent) and "{side}" not in part.name:
+        yield f"'{part.name}' is on a part of both sides; write '{{side}}' into its name"
 
 
 def _problems_of_part(part: ReferencePart) -> Iterator[str]:
-    geoms, joints = [geom.name for geom in part.geoms], [joint.name for joint in part.joints]
+    geoms = [geom.name for geom in part.geoms]
+    joints = [joint.name for joint in part.joints]
     if part.region != "limb":
         yield f"'{part.name}' is of the {part.region}; only limbs can be added"
     if not geoms:
@@ -88,3 +85,17 @@ def _problems_of_part(part: ReferencePart) -> Iterator[str]:
     group = part.matures_with or part.group.removeprefix("{side}_")
     if group and group not in MATURING_GROUPS:
         yield f"the strength of '{part.name}' matures with '{group}'; {suggestion(group, MATURING_GROUPS)}"
+
+
+def _problems_of_names(kind: PartKind, usual: Sequence[PartKind]) -> Iterator[str]:
+    added = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
+    taken = {name for other in (*usual, *added) for part in other.parts for name in _names(part)}
+    for name, count in Counter(name for part in kind.parts for name in _names(part)).items():
+        if name in taken or count > 1:
+            yield f"the name '{name[1]}' is taken; choose another one"
+
+
+def _names(part: ReferencePart) -> Iterator[tuple[type, str]]:
+    """Yield the names in a part, with the type of what has each: a geom may have the name of its part."""
+    for item in (part, *part.geoms, *part.joints, *part.motors):
+        yield type(item), item.name

@@ -148,7 +148,8 @@ _GRIP_CONDIM = 6  # Contacts of a hand also have torsional and rolling friction 
 
 
 def _palm(part: str, number: int, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
-    euler_deg, size_m = ALONG_X if shape == "cylinder" else UPRIGHT, _SIZES_M[part][number - 1]
+    euler_deg = ALONG_X if shape == "cylinder" else UPRIGHT
+    size_m = _SIZES_M[part][number - 1]
     name = f"{{side}}_{part}{number}"
     return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=size_m)
 
@@ -360,7 +361,9 @@ def fingers_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide: float) -> BodyGeometry:
-    middle_m, side_x_m, meta_m = (0.0, 0.0, 0.0), 0.007 * wide, 0.204 * palm_m
+    middle_m = (0.0, 0.0, 0.0)
+    side_x_m = 0.007 * wide
+    meta_m = 0.204 * palm_m
     return BodyGeometry(
         origins={
             "{side}_hand": (side_x_m, -0.9 * h.half_thickness_m, forearm.length_m + palm_m + thick_m),

@@ -26,7 +26,7 @@ HEAD = ReferencePart(
             "head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi", material="head"
         ),
     ),
-    (
+    (  # The last four numbers are stiffness [Nm/rad], damping [Nms/rad], friction loss [Nm] and armature [kg m^2].
         ReferenceJoint("robot:head_swivel", (0, 0, 1), (-111, 111), 0.23, 0.29, 0.018, 0.005),
         ReferenceJoint("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
         ReferenceJoint("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
@@ -63,7 +63,7 @@ EYE = ReferencePart(
             material="eye_{side}",
         ),
     ),
-    (
+    (  # The last four numbers are in the units of the head's joints.
         ReferenceJoint("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
         ReferenceJoint("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
         ReferenceJoint("robot:{side}_eye_torsional", (1, 0, 0), (-8, 8), 0.00267, 0.00042, 0.000037, 0.0002),
@@ -76,17 +76,18 @@ EYE = ReferencePart(
     torque_site="torque_{side}_eye",
 )
 
-HEIGHT = 1.15
-"""Vertical half axis by the radius of a circle with the head's circumference (D): at 18 months, it is 17 cm from the
-vertex to the chin (M)."""
-CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M  # Distance of the head before the neck joint, in head radii (MIMo).
+HEAD_HEIGHT = 1.15
+"""Vertical half axis of the head by the radius of a circle with the head's circumference (D): at 18 months,
+it is 17 cm from the vertex to the chin (M)."""
+HEAD_CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M
+"""Distance of the head's centre before the neck joint, in head radii (MIMo)."""
 EYE_PLACE: Vec3 = (0.8975, -0.4300, -0.0980)
-"""Place of the right eye, for half axes of one (D): the eyes are 3.5 cm apart at birth and 4.7 cm at 18 months; MIMo's
-are 3.6 and 4.9 cm apart, on heads that are 16 % broader."""
+"""Place of the right eye on the unit sphere that the head is stretched from (D): the eyes are 3.5 cm apart at birth and
+4.7 cm at 18 months; MIMo's are 3.6 and 4.9 cm apart, on heads that are 16 % broader."""
 EYE_DEPTH = 0.107
 """Depth of the middle of an eyeball below the face, in head radii (D): a little less than MIMo's .114, as the face is
 turned further outwards here."""
-NECK_RADIUS = 0.028 / REFERENCE_HEAD_RADIUS_M  # In head radii (MIMo).
+NECK_RADIUS = 0.028 / REFERENCE_HEAD_RADIUS_M  # Radius of the neck, in head radii (MIMo).
 NECK_FROM, NECK_TO = -0.015, 0.030
 """Ends of the neck's axis above the origin of the head, in m at the reference body's spacing of trunk parts (D): its
 lower end is in the shoulders, also of tall children with small heads, and its upper end in the head."""
@@ -116,8 +117,8 @@ def maturing_head_dimensions(p: Proportions) -> BodyGeometry:
     """Return head, neck and eyes: the crown is where a round head's would be, the chin below the joints of the neck."""
     radius_m = p.head_radius_m
     length_m, breadth_m = p.head_half_axes_m
-    half_axes_m = (length_m, breadth_m, HEIGHT * radius_m)
-    centre_m = (CENTRE_X * radius_m, 0.0, 2 * radius_m - half_axes_m[2])
+    half_axes_m = (length_m, breadth_m, HEAD_HEIGHT * radius_m)
+    centre_m = (HEAD_CENTRE_X * radius_m, 0.0, 2 * radius_m - half_axes_m[2])
     neck_from_m, neck_to_m = NECK_FROM * p.trunk.axial, NECK_TO * p.trunk.axial
     return BodyGeometry(
         origins={"{side}_eye": _below(half_axes_m, centre_m, EYE_PLACE, EYE_DEPTH * radius_m)},
@@ -131,12 +132,15 @@ def maturing_head_dimensions(p: Proportions) -> BodyGeometry:
 
 
 def _below(half_axes_m: Vec3, centre_m: Vec3, place: Vec3, depth_m: float) -> Vec3:
-    """Return the point a depth below a place of an ellipsoid's surface, given for half axes of one."""
+    """Return the point at a depth below an ellipsoid's surface.
+
+    *place* is the point of the unit sphere that it is stretched from.
+    """
     normal = tuple(part / half_m for part, half_m in zip(place, half_axes_m, strict=True))
-    size = math.hypot(*normal)
+    length = math.hypot(*normal)
     x, y, z = (
-        middle + part * half_m - depth_m * across / size
-        for middle, part, half_m, across in zip(centre_m, place, half_axes_m, normal, strict=True)
+        middle + part * half_m - depth_m * slope / length
+        for middle, part, half_m, slope in zip(centre_m, place, half_axes_m, normal, strict=True)
     )
     return x, y, z
 

@@ -209,7 +209,8 @@ def leg_dimensions(p: Proportions) -> BodyGeometry:
     """Return thigh and shank."""
     thigh, shank = p.thigh, p.shank
     into_foot_m = shank.length_m + 0.6 * p.foot.half_height_m
-    lower_start_m, lower_end_m = 0.6 * shank.length_m, into_foot_m - p.ankle_radius_m
+    lower_start_m = 0.6 * shank.length_m
+    lower_end_m = into_foot_m - p.ankle_radius_m
     if lower_end_m <= lower_start_m:
         raise GeometryError(
             f"a shank {shank.length_m:.3f} m long cannot have an ankle {2 * p.ankle_radius_m:.3f} m thick"
@@ -286,7 +287,9 @@ TOES = ReferencePart(
 
 def _half_of_toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) -> ReferencePart:
     """Return the big toe or the others, half as stiff and strong as all of them."""
-    box, tip, joint = f"{{side}}_{name}1", f"{{side}}_{name}2", f"robot:{{side}}_{name}"
+    box = f"{{side}}_{name}1"
+    tip = f"{{side}}_{name}2"
+    joint = f"robot:{{side}}_{name}"
     motor = ReferenceMotor(f"act:{{side}}_{name}", joint, 0.165, (-1.0, 0.3), vmax_lengths_per_s, box)
     return replace(
         TOES,
@@ -314,7 +317,8 @@ def flat_foot_dimensions(p: Proportions) -> BodyGeometry:
 def two_toed_foot_dimensions(p: Proportions) -> BodyGeometry:
     """Return heel, sole, big toe and toes, distributed along x so that the foot has its measured length."""
     f = p.foot
-    s, wide = _stretch(f, 0.079), f.half_breadth_m / (REFERENCE_M["foot_breadth"] / 2)
+    s = _stretch(f, 0.079)
+    wide = f.half_breadth_m / (REFERENCE_M["foot_breadth"] / 2)
     return (
         _foot_dimensions(f, -0.007 * s, (0.030 * s, 0.023 * s), 0.053 * s)
         | _toes_dimensions("big_toe", 0.0095 * s, 0.0075 * wide, f.half_height_m)

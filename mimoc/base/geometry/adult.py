@@ -10,12 +10,30 @@ import numpy as np
 from mimoc.base.geometry.reach import UP, Figure, Frame, Leaning
 from mimoc.base.geometry.rotations import FloatArray
 
-LIMIT = 0.995  # Share of its length that an arm is stretched to at most.
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+SIGNS: Mapping[Side, float] = {"left": 1.0, "right": -1.0}  # Along y of the trunk.
 
-DOWNWARD = 0.8  # How much further down than out an elbow is bent; an assumption.
-LOW_M, HIGHER_M = 0.3, 0.2
-"""Height of a shoulder above the floor at which the elbow is neither lower nor higher, and how much more it takes for
-all of that."""
+STATURE_M = 1.63
+"""Stature of the adult that these lengths are of: about the mean of women (ANSUR, Gordon et al. 1989; from memory)."""
+HEAD_M = (0.094, 0.073, 0.112)  # Half of the length, breadth and height of the head: 18.7, 14.6 and 22.4 cm (likewise).
+NECK_M = (0.03, 0.148)  # From the centre of the head to the base of the neck: backwards, and down; an assumption.
+TRUNK_M, HIP_M = 0.50, 0.11  # From the base of the neck to the hips, and half of the trunk's depth; an assumption.
+SHOULDER_M = (0.0, 0.165, -0.035)
+"""The left shoulder from the base of the neck: forwards, to the left and up; a breadth of 36 cm over both upper arms
+(likewise)."""
+UPPER_ARM_M, FOREARM_M = 0.31, 0.243  # From shoulder to elbow, and from elbow to wrist (likewise).
+PALM_M = 0.075  # From the wrist to the middle of the palm; an assumption.
+MOUTH_M = (0.095, 0.0, -0.055)  # The mouth from the centre of the head; an assumption.
+REST_M = (0.24, 0.13, 0.06)
+"""Where palms rest: forwards and outwards from the shoulder, and the least height above the floor; an assumption."""
+HANGING_M = 0.40  # How far below the shoulder palms rest at most.
+
+LIMIT = 0.995  # Share of its length that an arm is stretched to at most.
+DOWNWARD = 0.8  # Greatest ratio of down to outwards in the direction in which an elbow is bent; an assumption.
+LEVEL_M, RANGE_M = 0.3, 0.2
+"""A shoulder LEVEL_M above the floor bends its elbow straight outwards; RANGE_M higher or more, as far down as DOWNWARD
+says; RANGE_M lower or more, as far up, which keeps the elbow off the floor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,51 +75,32 @@ def reach(
     wrist_m = shoulder_m + distance_m * along_wrist
     part_m = (links.upper_arm_m**2 - links.forearm_m**2 + distance_m**2) / (2 * distance_m)
     beside_m = math.sqrt(max(links.upper_arm_m**2 - part_m**2, 0.0))
-    height = min(max((float(shoulder_m[2]) - LOW_M) / HIGHER_M, -1.0), 1.0)  # The elbow keeps off the floor.
-    bend = outward - DOWNWARD * height * UP
-    bend = _unit(bend - (bend @ along_wrist) * along_wrist, _some_across(along_wrist))
+    downward = min(max((float(shoulder_m[2]) - LEVEL_M) / RANGE_M, -1.0), 1.0)
+    bend = outward - DOWNWARD * downward * UP
+    bend = _unit(bend - (bend @ along_wrist) * along_wrist, _across(along_wrist))
     elbow_m = shoulder_m + part_m * along_wrist + beside_m * bend
-    palm = _unit(normal - (normal @ along) * along, _some_across(along))
+    palm = _unit(normal - (normal @ along) * along, _across(along))
     hand = np.column_stack([palm, np.cross(along, palm), along])
     return _link(shoulder_m, elbow_m, bend), _link(elbow_m, wrist_m, bend), (wrist_m, hand)
 
 
 def _link(start_m: FloatArray, end_m: FloatArray, side: FloatArray) -> Frame:
     along = (end_m - start_m) / np.linalg.norm(end_m - start_m)
-    across = _unit(side - (side @ along) * along, _some_across(along))
+    across = _unit(side - (side @ along) * along, _across(along))
     return start_m, np.column_stack([across, np.cross(along, across), along])
 
 
 def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """Return a vector with a length of 1, or another one if it has hardly any."""
+    """Return a vector scaled to a length of 1, or *otherwise* if its length is almost 0."""
     length = float(np.linalg.norm(vector))
     return vector / length if length > 1e-9 else otherwise
 
 
-def _some_across(axis: FloatArray) -> FloatArray:
-    other = np.eye(3)[np.abs(axis).argmin()]
-    across = other - (other @ axis) * axis
+def _across(axis: FloatArray) -> FloatArray:
+    """Return a unit vector perpendicular to an axis, shape (3,)."""
+    least_along = np.eye(3)[np.abs(axis).argmin()]
+    across = least_along - (least_along @ axis) * axis
     return across / np.linalg.norm(across)
-
-
-Side = Literal["left", "right"]
-SIDES: tuple[Side, Side] = ("left", "right")
-SIGNS: Mapping[Side, float] = {"left": 1.0, "right": -1.0}  # Along y of the trunk.
-
-STATURE_M = 1.63
-"""Stature of the adult that these lengths are of: about the mean of women (ANSUR, Gordon et al. 1989; from memory)."""
-HEAD_M = (0.094, 0.073, 0.112)  # Half of the length, breadth and height of the head: 18.7, 14.6 and 22.4 cm (likewise).
-NECK_M = (0.03, 0.148)  # From the centre of the head to the base of the neck: backwards, and down; an assumption.
-TRUNK_M, HIP_M = 0.50, 0.11  # From the base of the neck to the hips, and half of the trunk's depth; an assumption.
-SHOULDER_M = (0.0, 0.165, -0.035)
-"""The left shoulder from the base of the neck: forwards, to the left and up; a breadth of 36 cm over both upper arms
-(likewise)."""
-UPPER_ARM_M, FOREARM_M = 0.31, 0.243  # From shoulder to elbow, and from elbow to wrist (likewise).
-PALM_M = 0.075  # From the wrist to the middle of the palm; an assumption.
-MOUTH_M = (0.095, 0.0, -0.055)  # The mouth from the centre of the head; an assumption.
-REST_M = (0.24, 0.13, 0.06)
-"""Where palms rest: forwards and outwards from the shoulder, and the least height above the floor; an assumption."""
-HANGING_M = 0.40  # How far below the shoulder palms rest at most.
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,14 +115,21 @@ class Palm:
 class Adult:
     """An adult of some size."""
 
-    scale: float  # Its stature, by that of these lengths.
+    scale: float  # Ratio of its stature to `STATURE_M`.
 
     @property
     def figure(self) -> Figure:
         """The lengths by which it leans."""
-        back_m, down_m = NECK_M
         scale = self.scale
-        return Figure(scale * HEAD_M[0], scale * HEAD_M[2], (scale * back_m, scale * down_m), scale * TRUNK_M, HIP_M)
+        face_m, _, crown_m = HEAD_M
+        back_m, down_m = NECK_M
+        return Figure(
+            face_m=scale * face_m,
+            crown_m=scale * crown_m,
+            neck_m=(scale * back_m, scale * down_m),
+            trunk_m=scale * TRUNK_M,
+            hip_m=HIP_M,  # The hips' height above the floor is the same at any stature.
+        )
 
     @property
     def links(self) -> Links:
@@ -140,7 +146,7 @@ class Adult:
         forward_m, outward_m, least_m = REST_M
         shoulder_m = self.shoulder_m(trunk, side)
         forward = np.array([trunk[1][0, 0], trunk[1][1, 0], 0.0])
-        if np.linalg.norm(forward) < 0.2:  # The trunk is level: where the spine points to.
+        if np.linalg.norm(forward) < 0.2:  # The trunk is level, so that forwards is where the spine points to.
             forward = np.array([trunk[1][0, 2], trunk[1][1, 2], 0.0])
         forward /= np.linalg.norm(forward)
         outward = SIGNS[side] * trunk[1][:, 1]

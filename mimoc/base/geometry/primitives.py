@@ -35,7 +35,8 @@ def ellipse_perimeter(half_axis: float, other: float) -> float:
 def ellipsoid_area(half_axes: Sequence[float]) -> float:
     """Return the area of an ellipsoid: the integral of its image on the unit sphere, by Gauss' quadrature."""
     heights, weights = QUADRATURE
-    radii, angles = np.sqrt(1 - heights**2), 2 * math.pi * (np.arange(SPOKES) + 0.5) / SPOKES
+    radii = np.sqrt(1 - heights**2)
+    angles = 2 * math.pi * (np.arange(SPOKES) + 0.5) / SPOKES
     a, b, c = half_axes
     across = (radii[:, None] * np.cos(angles) / a) ** 2 + (radii[:, None] * np.sin(angles) / b) ** 2
     stretched = np.sqrt(across + (heights[:, None] / c) ** 2).mean(axis=1)
@@ -59,7 +60,8 @@ def nearest_points(half_axes: Sequence[float], points: FloatArray) -> FloatArray
         across = u[:, None] + others
         squares = (scaled / across) ** 2
         square = squares.sum(axis=1)
-        before, u = u, np.maximum(u + square * (np.sqrt(square) - 1) / (squares / across).sum(axis=1), least)
+        before = u
+        u = np.maximum(u + square * (np.sqrt(square) - 1) / (squares / across).sum(axis=1), least)
         if (np.abs(u - before) <= PRECISION * u).all():
             break
     return np.copysign(axes * scaled / (u[:, None] + others), points)
@@ -246,7 +248,8 @@ class Solids:
             offset: Of the plane from the origin.
             directions: Unit vectors, orthogonal to the normal, shape (m, 3).
         """
-        low_m, high_m = -self.reaches(-self._all(normal)), self.reaches(self._all(normal))
+        low_m = -self.reaches(-self._all(normal))
+        high_m = self.reaches(self._all(normal))
         met = (low_m < offset) & (offset < high_m)
         return np.where(met, self._least_half_space(normal, offset, directions), -np.inf).max(axis=1)
 
@@ -269,9 +272,11 @@ class Solids:
             return self.reaches(directions[:, None] + slope[..., None] * normal) - slope * offset
 
         shape = (len(directions), len(self.centres))
-        low, high = np.full(shape, -_STEEPEST_RAD), np.full(shape, _STEEPEST_RAD)
+        low = np.full(shape, -_STEEPEST_RAD)
+        high = np.full(shape, _STEEPEST_RAD)
         for _ in range(_ROUNDS):
-            left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+            left = high - _GOLDEN * (high - low)
+            right = low + _GOLDEN * (high - low)
             lower = reach(left) < reach(right)
             low, high = np.where(lower, low, left), np.where(lower, right, high)
         return reach((low + high) / 2)

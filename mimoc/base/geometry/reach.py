@@ -40,44 +40,58 @@ class Leaning:
     trunk: Frame  # Frame of the trunk at the base of the neck.
 
 
-def lean(
+def leaning_pose(
     figure: Figure, face: Frame, where: Where, to_left: bool, distance_m: float, height_m: float | None
 ) -> Leaning:
-    """Return where somebody is whose face is somewhere by another one, and looks at it.
+    """Return the head and trunk of somebody who looks at another face from a given side and distance.
 
     Args:
-        figure: Lengths of the somebody.
+        figure: Lengths of the one who looks.
         face: The face that is looked at: a point between the eyes, and the head's axes.
         where: `in_front` is where that face looks to, or, if it looks down, before its crown; `beside` is level, to its
             left or right; `above` is over it.
         to_left: Whether beside is to the left.
         distance_m: Between both faces.
-        height_m: Height of the own face above the floor, z = 0, in place of what follows.
+        height_m: Height of the own face above the floor, z = 0; None for the one that *where* and *distance_m* give.
     """
-    seen_m, turn = face
-    toward = _level(turn[:, 1], turn[:, 0]) * (1.0 if to_left else -1.0)
-    ahead = turn[:, 0] if turn[2, 0] > -LEVEL else _level(turn[:, 2])  # Who lies face down has the world overhead.
-    way = {"in_front": ahead, "beside": toward, "above": UP}[where]
-    face_m = seen_m + distance_m * way
+    seen_m, seen_axes = face
+    to_side = _level(seen_axes[:, 1], seen_axes[:, 0]) * (1.0 if to_left else -1.0)
+    # Who lies face down has the world overhead.
+    ahead = seen_axes[:, 0] if seen_axes[2, 0] > -LEVEL else _level(seen_axes[:, 2])
+    offset_direction = {"in_front": ahead, "beside": to_side, "above": UP}[where]
+    face_m = seen_m + distance_m * offset_direction
     face_m[2] = max(face_m[2] if height_m is None else height_m, figure.crown_m + FLOOR_M)
     if np.linalg.norm(face_m - seen_m) < MIN_DISTANCE_M:
         face_m = seen_m + MIN_DISTANCE_M * UP
     gaze: FloatArray = (seen_m - face_m) / np.linalg.norm(seen_m - face_m)
-    level = _level(gaze, turn[:, 2], -turn[:, 0])
+    level = _level(gaze, seen_axes[:, 2], -seen_axes[:, 0])
     down_rad = math.asin(min(max(-gaze[2], 0.0), 1.0))
-    direction = math.sin(down_rad) * level + math.cos(down_rad) * UP
-    across = direction - (direction @ gaze) * gaze
-    head_up = across / np.linalg.norm(across)
-    head = np.column_stack([gaze, np.cross(head_up, gaze), head_up])
+    head = _head_axes(gaze, level, down_rad)
     centre_m = face_m - figure.face_m * gaze
-    neck_m = centre_m - figure.neck_m[0] * gaze - figure.neck_m[1] * head_up
+    neck_m = centre_m - figure.neck_m[0] * gaze - figure.neck_m[1] * head[:, 2]
+    return Leaning((centre_m, head), (neck_m, _trunk_axes(figure, neck_m[2], level, down_rad)))
+
+
+def _head_axes(gaze: FloatArray, level: FloatArray, down_rad: float) -> FloatArray:
+    """Return the axes of a head that looks along *gaze*, down by an angle, shape (3, 3); *level* is where it faces."""
+    direction = math.sin(down_rad) * level + math.cos(down_rad) * UP
+    head_up_raw = direction - (direction @ gaze) * gaze
+    head_up = head_up_raw / np.linalg.norm(head_up_raw)
+    return np.column_stack([gaze, np.cross(head_up, gaze), head_up])
+
+
+def _trunk_axes(figure: Figure, neck_height_m: float, level: FloatArray, down_rad: float) -> FloatArray:
+    """Return the axes of a trunk that leans the more, the more its head looks down, and at least to the neck's height.
+
+    Who sits on the floor leans so far that the face is as low as asked.
+    """
     lean_rad = UPRIGHT_RAD + BENT_RAD * down_rad / (math.pi / 2)
-    room = min(max((neck_m[2] - figure.hip_m) / figure.trunk_m, 0.0), 1.0)
-    lean_rad = max(lean_rad, math.acos(room))  # Who sits on the floor leans so far that the face is as low as asked.
+    # Height of the neck above hips on the floor, in lengths of the trunk.
+    neck_share = min(max((neck_height_m - figure.hip_m) / figure.trunk_m, 0.0), 1.0)
+    lean_rad = max(lean_rad, math.acos(neck_share))
     spine = math.sin(lean_rad) * level + math.cos(lean_rad) * UP
     forward = math.cos(lean_rad) * level - math.sin(lean_rad) * UP
-    trunk = np.column_stack([forward, np.cross(spine, forward), spine])
-    return Leaning((centre_m, head), (neck_m, trunk))
+    return np.column_stack([forward, np.cross(spine, forward), spine])
 
 
 def _level(*directions: FloatArray) -> FloatArray:
@@ -95,8 +109,9 @@ STRETCHED = 0.6  # How far from the shoulder an object is in the air within reac
 
 def leaning_reach(arm_m: float, shoulder_m: float, hip_m: float) -> float:
     """Return how far from its hip, seen from above, an infant reaches the floor: it leans over, or else crouches."""
-    lean = np.radians(np.linspace(0.0, LEAN_DEG, 16))
-    ahead_m, height_m = (shoulder_m - hip_m) * np.sin(lean), hip_m + (shoulder_m - hip_m) * np.cos(lean)
+    lean_rad = np.radians(np.linspace(0.0, LEAN_DEG, 16))
+    ahead_m = (shoulder_m - hip_m) * np.sin(lean_rad)
+    height_m = hip_m + (shoulder_m - hip_m) * np.cos(lean_rad)
     reaches_floor = height_m < arm_m
     if not reaches_floor.any():
         return arm_m

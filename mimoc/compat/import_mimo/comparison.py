@@ -90,7 +90,8 @@ def _age_text(age: Age) -> str:
     law = f"the sizes of {age.months:g} months by the published law of growth"
     if not age.differing:
         return f"it has {law}"
-    most, count = age.differing[0], f"{len(age.differing)} of {len(age.differences_m)} geoms"
+    most = age.differing[0]
+    count = f"{len(age.differing)} of {len(age.differences_m)} geoms"
     largest = f"largest difference {MM_PER_M * age.differences_m[most]:.1f} mm, in {most}"
     if age.fits:
         return f"it has {law}, but for {count}: {largest}"
@@ -158,7 +159,8 @@ def _compared(
     scene, mimocs = of_both
     sizes = dict[str, float]()
     for name in scene.keys() & mimocs.keys():
-        change, reference = np.abs(scene[name] - mimocs[name]), np.abs(scene[name])
+        change = np.abs(scene[name] - mimocs[name])
+        reference = np.abs(scene[name])
         sizes[name] = float(np.max(change / np.where(reference > 0, reference, 1.0) if relative else change))
     differing = [name for name, size in sizes.items() if size > noteworthy]
     if not differing:
@@ -175,7 +177,7 @@ def _listed(names: list[str]) -> str:
     return ", ".join(names[:MAX_LISTED]) + more
 
 
-PREFIX = "geom:"  # Of the names of geoms in MIMo's later scenes.
+PREFIX = "geom:"  # Prefix of the names of geoms in MIMo's later scenes.
 TOLERANCE_M = 2e-5
 """Difference of sizes up to which they are those of an age: files of MIMo's have four to eleven digits."""
 OWN_MASSES = 0.02
@@ -255,6 +257,7 @@ def _size_differences(sizes: Sizes, tree: BodyTree) -> dict[str, float]:
 def _mass_ratios(model: mujoco.MjModel, anatomy: Anatomy) -> Iterator[float]:
     masses = {model.body(body).name: float(model.body_mass[body]) for body in range(model.nbody)}
     for side, part in anatomy.mimos_parts:
-        name, mass_kg = part.name.format(side=side), sum(geom.mass_kg for geom in part.geoms)
+        name = part.name.format(side=side)
+        mass_kg = sum(geom.mass_kg for geom in part.geoms)
         if name in masses and mass_kg and part.region == "limb":
             yield masses[name] / mass_kg

@@ -85,7 +85,8 @@ class Infant:
         """Parent, name, muscle group and joints of each of MIMo's bodies, parents first."""
         parts, groups = [], dict[str, str]()
         for side, part in self.anatomy.parts:
-            body, parent = part.name.format(side=side), (part.parent or "").format(side=side)
+            body = part.name.format(side=side)
+            parent = (part.parent or "").format(side=side)
             groups[body] = part.group.format(side=side) or groups.get(parent, "")
             parts.append((parent, body, groups[body], [joint.name.format(side=side) for joint in part.joints]))
         return parts

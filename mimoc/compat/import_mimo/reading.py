@@ -13,8 +13,8 @@ from xml.sax.saxutils import quoteattr
 
 from mimoc.base.errors import Problem, SpecError
 from mimoc.bundle import mjcf_check, regular_files
-from mimoc.bundle.mjcf_check import MOST, MOST_DEPTH, MOST_ELEMENTS, MOST_PIXELS, pixels_of
-from mimoc.bundle.regular_files import MOST_BYTES_IN_ALL, UnusableFileError, read_regular_file
+from mimoc.bundle.mjcf_check import MAX_COUNTS, MAX_DEPTH, MAX_ELEMENTS, MAX_PIXELS, pixels_of
+from mimoc.bundle.regular_files import MAX_BYTES_IN_ALL, UnusableFileError, read_regular_file
 
 MAX_INCLUDES = 64
 COMMENT = re.compile(rb"<!--.*?(?:-->|\Z)", re.DOTALL)
@@ -104,13 +104,15 @@ class _Reader:
 
     def __init__(self, main: Path):
         self.problems: list[Problem] = []
-        self._folder, self._included, self._elements = main.parent, set[Path](), 0
+        self._folder = main.parent
+        self._included = set[Path]()
+        self._elements = 0
 
     def read(self, path: Path, shown: str, place: Problem) -> Element | None:
         """Return the root element of a file; None if there is a problem with it."""
         self._included.add(path.resolve())
         try:
-            content = read_file(path, mjcf_check.MOST_BYTES)
+            content = read_file(path, mjcf_check.MAX_BYTES)
         except UnusableFileError as error:
             what = f"'{shown}' {error}" if place.key else f"this {error}"
             self.problems.append(Problem(place.file, place.line, place.column, place.key, what))
@@ -132,8 +134,8 @@ class _Reader:
 
         def begin(tag: str, attributes: dict[str, str]) -> None:
             self._elements += 1
-            if len(opened) > MOST_DEPTH or self._elements > MOST_ELEMENTS:
-                raise ValueError(f"more than {MOST_ELEMENTS:,} elements, or {MOST_DEPTH} within each other")
+            if len(opened) > MAX_DEPTH or self._elements > MAX_ELEMENTS:
+                raise ValueError(f"more than {MAX_ELEMENTS:,} elements, or {MAX_DEPTH} within each other")
             element = Element(tag, attributes, shown, parser.CurrentLineNumber)
             opened[-1].children.append(element)
             opened.append(element)
@@ -177,9 +179,9 @@ class _Reader:
         self.problems.append(Problem(shown, line, 1, "", message))
 
 
-MAX_MAGNITUDE = 1e10  # Of any number, as in the MJCF of bundles.
+MAX_MAGNITUDE = 1e10  # Largest magnitude of any number, as in the MJCF of bundles.
 TIMESTEP_S = 1e-4, 1.0  # Physics steps that a spec can have (`control.timestep_ms`).
-MAX_SAMPLES = 2**20  # Of a height field; a terrain of 10 m at every centimetre.
+MAX_SAMPLES = 2**20  # Most samples of a height field; enough for a terrain of 10 m at every centimetre.
 MAX_LENGTH_RANGE_STEPS = 1e5
 """Steps by which MuJoCo's compiler may look for the length range of a muscle; by default 1,000."""
 BOUNDS: Mapping[str, float] = {
@@ -209,13 +211,11 @@ def check_limits(scene: Element) -> None:
         _count(scene, 1, counts)
         problems = [
             scene.problem(f"has {counts[tag]:,} <{tag}>, copies included; at most {most:,} are read")
-            for tag, most in MOST.items()
+            for tag, most in MAX_COUNTS.items()
             if counts[tag] > most
         ]
-        if counts.total() > MOST_ELEMENTS:
-            problems.append(
-                scene.problem(f"has {counts.total():,} elements in all; at most {MOST_ELEMENTS:,} are read")
-            )
+        if counts.total() > MAX_ELEMENTS:
+            problems.append(scene.problem(f"has {counts.total():,} elements in all; at most {MAX_ELEMENTS:,} are read"))
     if problems:
         raise SpecError(problems)
 
@@ -251,7 +251,7 @@ def _bound(element: Element, name: str) -> float:
     if name.startswith("nuser_") or name.endswith("iterations"):
         return 1000
     if element.tag in GENERATORS and name == "count":
-        return MOST_ELEMENTS
+        return MAX_ELEMENTS
     return BOUNDS.get(name, math.inf)
 
 
@@ -296,7 +296,8 @@ def file_attributes(element: Element) -> list[str]:
 
 def without_pictures(tree: Element) -> Element:
     """Return a scene whose textures are plain colours: its physics, which needs none of their files."""
-    attributes, children = tree.attributes, [without_pictures(child) for child in tree.children]
+    attributes = tree.attributes
+    children = [without_pictures(child) for child in tree.children]
     if tree.tag == "texture" and (names := file_attributes(tree)):
         attributes = {name: value for name, value in attributes.items() if name not in names} | COLOUR
     return replace(tree, attributes=attributes, children=children)
@@ -314,7 +315,7 @@ class AssetFiles:
             for name, value in compiler.attributes.items()
         }
         self._names = dict[Path, str]()
-        self._left, self._pixels_left = MOST_BYTES_IN_ALL, MOST_PIXELS
+        self._left, self._pixels_left = MAX_BYTES_IN_ALL, MAX_PIXELS
         self.files: dict[str, bytes] = {}
         """Content by name."""
         self.sources: set[Path] = set()
@@ -354,12 +355,12 @@ class AssetFiles:
 
     def _name(self, path: Path, is_picture: bool) -> str:
         if path not in self._names:
-            content = read_file(path, min(regular_files.MOST_BYTES, self._left))
+            content = read_file(path, min(regular_files.MAX_BYTES, self._left))
             self._left -= len(content)
             if is_picture and path.suffix.lower() == ".png":
                 self._pixels_left -= pixels_of(content, is_ours=False)
                 if self._pixels_left < 0:
-                    raise UnusableFileError(f"and others have more than {MOST_PIXELS:,} pixels together")
+                    raise UnusableFileError(f"and others have more than {MAX_PIXELS:,} pixels together")
             taken, number = set(self._names.values()), 1
             name = path.name
             while name in taken:

@@ -295,7 +295,8 @@ def resolved(element: Element, names: Names, others: Mapping[tuple[str, str], st
         if kind in names and new not in names[kind] and new != "world":
             missing.append(f"{kind} '{name}'")
     pairs = [resolved(child, names, others) for child in element.children]
-    children, below = [child for child, _ in pairs], [name for _, lost in pairs for name in lost]
+    children = [child for child, _ in pairs]
+    below = [name for _, lost in pairs for name in lost]
     return replace(element, attributes=attributes, children=children), missing + below
 
 

@@ -331,7 +331,8 @@ class MIMoEnv(gymnasium.Env[Any, npt.NDArray[Any]]):
         camera = mujoco.MjvCamera()
         if self.camera_name is not None or self.camera_id is not None:
             index = self.model.camera(self.camera_name).id if self.camera_name else self.camera_id
-            camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, index
+            camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+            camera.fixedcamid = index
             return camera
         for name, value in (self._camera_config or {}).items():
             setattr(camera, name, value)

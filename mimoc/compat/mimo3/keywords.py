@@ -137,7 +137,8 @@ def _scene(source: Any) -> InfantSpec:
 def _timing(keywords: Keywords, spec: InfantSpec) -> dict[str, Any]:
     """Return control step and delays: a delay of N is one of N control steps, as documented."""
     for name in ("frame_skip", "sensory_delay", "motor_delay"):
-        value, least = getattr(keywords, name), 1 if name == "frame_skip" else 0
+        value = getattr(keywords, name)
+        least = 1 if name == "frame_skip" else 0
         if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
             raise MimocError(f"{name} is {value!r}; give a whole number of steps, {least} or more")
     step_ms = keywords.frame_skip * spec.control.timestep_ms

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 SIZES = {mujoco.mjtJoint.mjJNT_FREE: (7, 6), mujoco.mjtJoint.mjJNT_BALL: (4, 3)}
-"""Numbers of joints in qpos and qvel; all others have one each."""
+"""Number of entries of one joint in qpos and qvel, by the type of the joint; all other types have one each."""
 
 
 def get_joint_qpos_addr(model: mujoco.MjModel, joint_id: int) -> range:

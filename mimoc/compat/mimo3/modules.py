@@ -15,13 +15,13 @@ from mimoc.render.picture_files import write_picture
 
 Array = npt.NDArray[Any]
 FloatArray = npt.NDArray[np.float64]
-VESTIBULAR = DEFAULT_VESTIBULAR_PARAMS["sensors"]  # Order of mimoc's observation.
+VESTIBULAR = DEFAULT_VESTIBULAR_PARAMS["sensors"]  # The sensors in the order of mimoc's observation.
 COMPONENTS = {"actuation": "actuation", "limits": "limits", "qpos": "angle", "qvel": "velocity", "torques": "torque"}
 """Components of proprioception in the order of MIMo3's observation, and mimoc's names for them."""
 
 
 def _entry(env: Any, sense: str, keyword: str, params: Any) -> Any:
-    """Return what the manifest says of a sense, or raise a MimocError, also if other parameters built it."""
+    """Return what the manifest says of a sense; raise a MimocError if it is missing or other parameters built it."""
     entry = getattr(env.infant.manifest.senses, sense)
     if entry is None or (params is not None and params != getattr(env, keyword)):
         raise MimocError(f"{sense} is built with the infant; give these parameters to its environment as {keyword}")
@@ -29,28 +29,32 @@ def _entry(env: Any, sense: str, keyword: str, params: Any) -> Any:
 
 
 class SimpleProprioception:
-    """Joint angles, velocities, torques and limits, and the state of the actuators, in MIMo3's order: by name."""
+    """Joint angles, velocities, torques and limits, and the state of the actuators, as components in MIMo3's order."""
 
     def __init__(self, env: Any, proprio_parameters: Mapping[str, Any] | None):
-        self.env, self.proprio_parameters = env, proprio_parameters
+        self.env = env
+        self.proprio_parameters = proprio_parameters
         entry = _entry(env, "proprioception", "proprio_params", proprio_parameters)
-        joints, sensors = list(entry.joints), list(entry.torque_sensors)
+        joints = list(entry.joints)
+        sensors = list(entry.torque_sensors)
         sizes = dict.fromkeys(("angle", "velocity", "limits"), len(joints))
         sizes |= {"torque": 3 * len(sensors), "actuation": 2 * len(env.infant.manifest.actuation.actuators)}
-        observed, start = dict[str, Any](), 0
-        for part in ("angle", *entry.include):
-            kept = env.actuation_model.observed if part == "actuation" else np.arange(sizes[part])
-            observed[part], start = start + kept, start + sizes[part]
-        self._places = {name: observed[part] for name, part in COMPONENTS.items() if part in observed}
+        places = dict[str, Any]()  # Where each of mimoc's components stands in mimoc's observation.
+        start = 0
+        for component in ("angle", *entry.include):
+            kept = env.actuation_model.observed if component == "actuation" else np.arange(sizes[component])
+            places[component] = start + kept
+            start += sizes[component]
+        self._places = {name: places[component] for name, component in COMPONENTS.items() if component in places}
         self.order = np.concatenate(list(self._places.values()))
-        """Places in mimoc's observation of the numbers of MIMo3's."""
+        """Index in mimoc's observation of each number of MIMo3's."""
         self.sensor_names = {"qpos": joints, "qvel": joints, "torque": sensors, "limit": joints}
 
     @property
     def sensor_outputs(self) -> dict[str, Array]:
         """What was observed last, by component."""
-        observed = self.env.sensed["proprioception"]
-        return {name: observed[places] for name, places in self._places.items()}
+        numbers = self.env.sensed["proprioception"]
+        return {name: numbers[places] for name, places in self._places.items()}
 
     def get_proprioception_obs(self) -> Array:
         """Return all components."""
@@ -63,7 +67,8 @@ class TrimeshTouch:
     def __init__(self, env: Any, touch_params: Mapping[str, Any] | None):
         entry = _entry(env, "touch", "touch_params", touch_params)
         bodies = {env.model.body(part.body).id: part for part in entry.skin}
-        self.env, self._ends = env, np.cumsum([part.points for part in entry.skin])[:-1]
+        self.env = env
+        self._ends = np.cumsum([part.points for part in entry.skin])[:-1]
         points_m = env.infant.bundle.arrays[POINTS]
         self.touch_size = 1 if entry.quantity == "normal" else 3
         self.sensor_scales = {body: part.spacing_m for body, part in bodies.items()}
@@ -92,7 +97,8 @@ class SimpleVision:
     """Pictures of the eyes."""
 
     def __init__(self, env: Any, camera_parameters: Mapping[str, Any] | None):
-        self.env, entry = env, _entry(env, "vision", "vision_params", camera_parameters)
+        self.env = env
+        entry = _entry(env, "vision", "vision_params", camera_parameters)
         self.camera_parameters = camera_parameters or dict.fromkeys(entry.cameras)
 
     @property
@@ -116,11 +122,12 @@ class SimpleVestibular:
     """Specific force and angular velocity of the head."""
 
     def __init__(self, env: Any, vestibular_parameters: Mapping[str, Any] | None):
-        self.env, self.vestibular_parameters = env, vestibular_parameters
+        self.env = env
+        self.vestibular_parameters = vestibular_parameters
         _entry(env, "vestibular", "vestibular_params", vestibular_parameters)
         self.sensors = list((vestibular_parameters or {}).get("sensors", VESTIBULAR))
-        observed = [name for name in VESTIBULAR if name in self.sensors]
-        self._order = np.concatenate([3 * observed.index(name) + np.arange(3) for name in self.sensors])
+        kept = [name for name in VESTIBULAR if name in self.sensors]
+        self._order = np.concatenate([3 * kept.index(name) + np.arange(3) for name in self.sensors])
 
     @property
     def sensor_outputs(self) -> Array:
@@ -135,18 +142,20 @@ class SimpleVestibular:
 class ActuationModel:
     """What actions mean; `env.actuation_model` is one that is bound to an environment."""
 
-    model = ""  # mimoc's name.
-    order: npt.NDArray[np.intp]  # Places in mimoc's action of the numbers of MIMo3's, shape (n,).
+    model = ""  # mimoc's name of the model.
+    order: npt.NDArray[np.intp]  # Index in mimoc's action of each number of MIMo3's action, shape (n,).
     observed: npt.NDArray[np.intp]
-    """Places of the numbers of MIMo3's actuation among those that mimoc's proprioception has of it."""
+    """Index in mimoc's `actuation` component of proprioception of each number of MIMo3's."""
 
     def __init__(self, env: Any, actuators: Any = None):
         """Find the actuators of an environment; those of a subclass of the user's cannot be taken over."""
-        self.env, self._act = env, env.infant.actuation
+        self.env = env
+        self._act = env.infant.actuation
         self.actuators = self._act.actuators
         entries = env.infant.manifest.actuation.actuators
         commanded = [entry.name for entry in entries if entry.commanded]
-        self.order, everything = _by_direction(commanded), _by_direction([entry.name for entry in entries])
+        self.order = _by_direction(commanded)
+        everything = _by_direction([entry.name for entry in entries])
         self.observed = np.concatenate([everything, len(entries) + everything])
         self.action_space = self.get_action_space()
         self.control_input = np.zeros(self.action_space.shape)
@@ -214,6 +223,7 @@ class PositionalModel(ActuationModel):
     model = "position"
 
     def __init__(self, env: Any, actuators: Any = None):
+        # `super().__init__` calls `get_action_space`, which needs these ranges.
         self._range = env.model.jnt_range[env.model.actuator_trnid[env.infant.actuation.actuators, 0]]
         super().__init__(env, actuators)
         self.observed = self.observed[: len(self.observed) // 2]

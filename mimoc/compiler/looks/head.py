@@ -88,7 +88,8 @@ def rims_deg(azimuth_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def seen_from_eye(from_eye: FloatArray, outward: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return azimuth and elevation of places as seen from an eye that looks *outward*, [deg], shape (n,)."""
-    ahead, aside = from_eye @ outward, from_eye @ np.array((-outward[1], outward[0], 0.0))
+    ahead = from_eye @ outward
+    aside = from_eye @ np.array((-outward[1], outward[0], 0.0))
     return np.degrees(np.arctan2(aside, ahead)), np.degrees(np.arctan2(from_eye[:, 2], np.hypot(ahead, aside)))
 
 
@@ -97,7 +98,7 @@ def outward_of(eye: FloatArray, half_axes_of_head: FloatArray) -> FloatArray:
 
     Args:
         eye: Its middle in the frame of the head's solid, shape (3,).
-        half_axes_of_head: Of the solid, shape (3,).
+        half_axes_of_head: Half axes of the solid, shape (3,).
     """
     slope = np.array((eye[0] / half_axes_of_head[0] ** 2, eye[1] / half_axes_of_head[1] ** 2, 0))
     outward = OUTWARD * slope / np.linalg.norm(slope) + (1 - OUTWARD) * np.array((1.0, 0, 0))
@@ -132,11 +133,12 @@ GROWTH = (
     Growth(24, 1.0, 6.5, 12, 1.0, 0.0),
 )
 BARE, CLEAR = 0.05, 0.11
-"""Up to the first share of hair the layer is under the skin, and from the second on it is above it; up to there, its
+"""Shares of hair: up to the first, the layer is under the skin, and from the second on above it; up to there, its
 picture is skin."""
-SUNK_MM, LEAST_MM = 0.9, 0.4  # How deep and how high it is there.
+SUNK_MM, MIN_MM = 0.9, 0.4  # How deep and how high it is there.
 MARGIN = 0.06
-"""Of the picture, which is repeated beyond its borders, so that what is far away looks a little like both."""
+"""Margin of the picture, as a share of its side: the picture is repeated beyond its borders, so that what is far away
+looks a little like both."""
 
 
 def hair_over(
@@ -150,7 +152,7 @@ def hair_over(
     share = density(sculpted, age_months)
     growth = growth_at(age_months)
     full = smoothstep(share / max(growth.cover, 1e-9))
-    height_mm = LEAST_MM + (growth.thick_mm - LEAST_MM) * full
+    height_mm = MIN_MM + (growth.thick_mm - MIN_MM) * full
     above = smoothstep((share - BARE) / (CLEAR - BARE))
     height_m = size * (above * height_mm - (1 - above) * SUNK_MM) / 1000
     scalp_m = verts_m[sculpted.verts]

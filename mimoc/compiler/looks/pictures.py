@@ -121,7 +121,9 @@ def inks_of(looks: LooksSpec, clothes: Clothes) -> dict[str, Colour]:
         (33, 28, 28)
 
     """
-    hair, iris, cloth = HAIR[looks.hair], EYES[looks.eyes], CLOTHES[clothes]
+    hair = HAIR[looks.hair]
+    iris = EYES[looks.eyes]
+    cloth = CLOTHES[clothes]
     return {
         **SKINS[looks.skin]._asdict(),
         "hair": hair,

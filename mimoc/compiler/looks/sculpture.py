@@ -32,7 +32,7 @@ MOVE_M = 1e-5  # Unit of the moves of an expression in the file.
 class SculptedMesh:
     """The whole surface of the reference child but its head, n vertices, in the pose that it is bound in."""
 
-    verts_m: FloatArray  # In the frame of the hip, shape (n, 3).
+    verts_m: FloatArray  # Vertices in the frame of the hip, shape (n, 3).
     faces: IntArray  # Vertices of each triangle, seen from outside counterclockwise, shape (m, 3).
     texcoords: FloatArray  # Place in the texture, shape (n, 2).
     bones: IntArray  # Bodies that move each vertex, as indices of `Sculpture.parts`, shape (n, 4).
@@ -56,8 +56,8 @@ class Garment:
 class SculptedHair:
     """The part of the head's mesh that has hair, of n vertices."""
 
-    verts: IntArray  # Of the head, shape (n,).
-    faces: IntArray  # Of these, shape (m, 3).
+    verts: IntArray  # Indices of these vertices among those of the head, shape (n,).
+    faces: IntArray  # Vertices of each triangle, as indices of `verts`, shape (m, 3).
     inside_deg: FloatArray
     """How far within the hairline each is, and how much farther if there is a full fringe, shape (n, 2)."""
     around: FloatArray  # Which way from the whorl, 0 to 1, the same on both sides, shape (n,).
@@ -78,7 +78,7 @@ class SculptedHead:
     lids_by_expression: Mapping[str, FloatArray]  # How far the lids are open then, by how far they are, shape (2,).
     faces: IntArray
     texcoords: FloatArray
-    half_axes_m: FloatArray  # Of the head's solid, shape (3,).
+    half_axes_m: FloatArray  # Half axes of the head's solid, shape (3,).
     eye_m: FloatArray  # Middle of the right eye, shape (3,).
     eye_radius_m: float
     hair: SculptedHair
@@ -90,13 +90,13 @@ class Sculpture:
 
     parts: tuple[str, ...]  # Names of its bodies.
     parents: Mapping[str, str]  # Parent of each body but the hip.
-    origins_m: FloatArray  # Of the bodies in the frame of the hip, shape (bodies, 3).
+    origins_m: FloatArray  # Origins of the bodies in the frame of the hip, shape (bodies, 3).
     turns: FloatArray  # Hip from body, shape (bodies, 3, 3).
     low_m: FloatArray  # Least corner of the box around a body's solids, in the frame of the body, shape (bodies, 3).
     high_m: FloatArray  # The opposite corner.
     solids: tuple[str, ...]  # Names of its geoms.
     angles_rad: Mapping[str, float]  # The pose that the skin is bound in, by joint; others are at zero.
-    head_radius_m: float  # Of a circle with the head's circumference.
+    head_radius_m: float  # Radius of a circle with the head's circumference.
     mesh: SculptedMesh
     garments: Mapping[str, Garment]
     ages_months: FloatArray  # Ages that the body is sculpted at.
@@ -235,7 +235,8 @@ def _rim(faces: IntArray, rank: IntArray, number: int) -> tuple[IntArray, IntArr
 
     An edge goes from one vertex to another, shape (n, 2), as its face is seen counterclockwise.
     """
-    edges, ranks = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), np.repeat(rank, 3)
+    edges = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    ranks = np.repeat(rank, 3)
     count = faces.max() + 1
     forth, back = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
     order = np.argsort(forth, kind="stable")

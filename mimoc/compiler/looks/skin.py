@@ -26,7 +26,7 @@ from mimoc.compiler.looks.sculpture import (
 )
 from mimoc.compiler.mjcf.scene import Skin, SkinLayer
 
-LEAST_SLOPE = 0.3  # Smallest square of a blended slope that is divided by: between two fingers, the slopes cancel.
+MIN_SLOPE = 0.3  # Smallest square of a blended slope that is divided by: between two fingers, the slopes cancel.
 
 
 def surface_distance(
@@ -48,10 +48,12 @@ def surface_distance(
     if number.keys().isdisjoint(solids):
         raise GeometryError(f"skin: the body has no solid that is called as one of the skin's, such as '{solids[0]}'")
     owner = np.array([number.get(name, -1) for name in solids])[near.ravel()]
-    turns, sizes = np.array(posed.rotations)[owner], np.array([_three(geom) for geom in posed.geoms])[owner]
+    turns = np.array(posed.rotations)[owner]
+    sizes = np.array([_three(geom) for geom in posed.geoms])[owner]
     from_centres = np.repeat(points, near.shape[1], axis=0) - np.array(posed.centres)[owner]
     local = np.einsum("ni,nij->nj", from_centres, turns)
-    far, away = np.full(len(owner), np.inf), np.zeros((len(owner), 3))
+    far = np.full(len(owner), np.inf)
+    away = np.zeros((len(owner), 3))
     for kind in {geom.type for geom in posed.geoms}:
         alike = np.array([*(geom.type == kind for geom in posed.geoms), False])  # The last one is of those left out.
         of_kind = np.flatnonzero(alike[owner])
@@ -173,7 +175,8 @@ class _Carrying:
         sizes = sizes * (1 - lost)
         normals = normals_of(verts_m, mesh.faces)
         # How much fuller than its solids each vertex of the reference child would be at the child's age.
-        ages, share = self.sculpted.ages_months, np.zeros(len(self.sculpted.ages_months))
+        ages = self.sculpted.ages_months
+        share = np.zeros(len(self.sculpted.ages_months))
         for index, unit in enumerate(np.eye(len(ages))):
             share[index] = np.interp(self.tree.age_months, ages, unit)
         verts_m = verts_m + ((share @ self.sculpted.fullness_m) * sizes)[:, None] * normals
@@ -251,12 +254,13 @@ class _Carrying:
 
     def _on_solids(self, mesh: SculptedMesh, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
         """Return vertices at their sculpted heights above the child's solids."""
-        wanted, most = mesh.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
+        wanted = mesh.offsets_m * sizes
+        most = FARTHEST * self.scale * self.sculpted.head_radius_m
         solids, blend_m = self.sculpted.solids, mesh.blend_m * sizes
         moved_m = verts_m
         for _ in range(ROUNDS):
             height, slope = surface_distance(self.posed, solids, mesh.near, blend_m, moved_m)
-            steep = np.maximum(np.einsum("ni,ni->n", slope, slope), LEAST_SLOPE)
+            steep = np.maximum(np.einsum("ni,ni->n", slope, slope), MIN_SLOPE)
             move = np.clip((wanted - height) / steep, -most, most) * (1 - lost)
             moved_m = moved_m + move[:, None] * slope
         return verts_m + smoothed(moved_m - verts_m, mesh.faces, SMOOTHINGS)
@@ -268,7 +272,7 @@ def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:
     for body in tree.bodies:
         turns = np.array([matrix_from_euler(geom.euler_deg) for geom in body.geoms])
         solids = extents((geom.type, geom.size_m) for geom in body.geoms)
-        along = solids.along(turns.transpose(1, 0, 2))  # Of each axis of the body, in the frames of its solids.
+        along = solids.along(turns.transpose(1, 0, 2))  # Reach along each axis of the body, in the solids' frames.
         centres = np.array([geom.pos_m for geom in body.geoms])
         corners[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
     return corners

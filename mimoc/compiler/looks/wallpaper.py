@@ -94,7 +94,7 @@ OWN_WALLPAPERS = Wallpapers()  # The wallpapers that come with mimoc.
 
 
 TILE_PX = 256  # Maximum number of texels per side: that of images of a bundle.
-MOST_PX = 20_000_000
+MAX_PX = 20_000_000
 LONGER_SIDE_M = 1.0  # Width and height of one repeat.
 
 
@@ -161,7 +161,7 @@ def _decode(file: Path) -> Image.Image:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Pillow warns of sizes that are rejected here anyway.
             with Image.open(file, formats=["PNG"]) as image:
-                if image.width * image.height > MOST_PX:
+                if image.width * image.height > MAX_PX:
                     raise TextureError(f"{file}: {_TOO_LARGE}")
                 if image.mode.startswith("I"):  # 16 bits per channel, which Pillow would clip instead of scaling.
                     return Image.fromarray((np.asarray(image).astype(np.uint32) >> 8).astype(np.uint8)).convert("RGB")
@@ -179,4 +179,4 @@ def _decode(file: Path) -> Image.Image:
 
 
 _ADVICE = "give a PNG file or a folder of PNG files"
-_TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; reduce it: {TILE_PX} px per side are enough"
+_TOO_LARGE = f"has more than {MAX_PX // 1_000_000} megapixels; reduce it: {TILE_PX} px per side are enough"

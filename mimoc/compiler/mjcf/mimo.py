@@ -89,7 +89,8 @@ def _places(node: Node) -> list[tuple[tuple[float, float, float], tuple[float, f
         eyes = [child.pos_m for child in node.children if child.name.endswith("_eye")]
         return [((BETWEEN_THE_EYES * x, 0.0, z), FORWARD) for x, _, z in eyes[:1]]
     if node.name in ("left_hand", "right_hand"):
-        palm, inwards = node.geoms[0], 1.0 if node.name == "left_hand" else -1.0
+        palm = node.geoms[0]
+        inwards = 1.0 if node.name == "left_hand" else -1.0
         x, y, z = palm.pos_m
         return [((x, y + inwards * palm.size_m[1], z), (0.0, inwards, 0.0))]
     return []

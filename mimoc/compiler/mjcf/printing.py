@@ -235,7 +235,7 @@ def _renamed(field: str, value: Any, prefix: str) -> Any:
         return tuple(
             prefix + item if isinstance(item, str) else tuple(prefix + name for name in item) for item in value
         )
-    if field == "coefficients":  # Of tendons: joints and factors.
+    if field == "coefficients":  # Joints of tendons, and their factors.
         return tuple((prefix + joint, factor) for joint, factor in value)
     if field == "names":  # Attributes that refer to something.
         return tuple((attribute, prefix + name) for attribute, name in value)

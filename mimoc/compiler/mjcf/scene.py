@@ -17,7 +17,7 @@ from mimoc.compiler.mjcf.elements import Actuator, Appearance, Camera, Node, Pas
 from mimoc.compiler.mjcf.world import World
 from mimoc.schema.base import Model
 
-LEAST = 1e-9  # Smaller numbers are 0: lengths in m, parts of quaternions, weights and places in a texture.
+NEGLIGIBLE = 1e-9  # Smaller numbers are 0: lengths in m, parts of quaternions, weights and places in a texture.
 NAME_BYTES = 40  # For the name of a body in MuJoCo's file.
 
 
@@ -26,11 +26,11 @@ class SkinLayer:
     """One mesh of a skin, of n vertices, bound to bodies in a pose."""
 
     name: str  # `body`, `shirt`, `trousers`, `head` or `hair`.
-    verts_m: FloatArray  # In the frame of the hip, shape (n, 3).
+    verts_m: FloatArray  # Vertices in the frame of the hip, shape (n, 3).
     faces: npt.NDArray[np.intp]  # Vertices of each triangle, counterclockwise as seen from outside, shape (m, 3).
     texcoords: FloatArray  # Place in the texture of its material, from the lower left, shape (n, 2).
     bones: tuple[str, ...]  # Names of the bodies that move it.
-    origins_m: FloatArray  # Of these bodies in the pose, in the frame of the hip, shape (bones, 3).
+    origins_m: FloatArray  # Origins of these bodies in the pose, in the frame of the hip, shape (bones, 3).
     turns: FloatArray  # Hip from body in the pose, shape (bones, 3, 3).
     weights: FloatArray
     """How much each body moves each vertex, shape (n, bones); each row sums to 1 and has at most four above 0."""
@@ -95,7 +95,7 @@ def encode_skn(layer: SkinLayer) -> bytes:
         texture_places(layer).tobytes(),
         layer.faces.astype("<i4").tobytes(),
     ]
-    weights, origins_m, quats = single(layer.weights), single(layer.origins_m), single(layer.quats)
+    origins_m, quats = single(layer.origins_m), single(layer.quats)
     for index, name in enumerate(layer.bones):
         (moved,) = np.nonzero(layer.weights[:, index])
         parts += [
@@ -104,7 +104,7 @@ def encode_skn(layer: SkinLayer) -> bytes:
             quats[index].tobytes(),
             np.array(len(moved), "<i4").tobytes(),
             moved.astype("<i4").tobytes(),
-            weights[moved, index].tobytes(),
+            single(layer.weights[moved, index]).tobytes(),  # Zeros, which most are, take long to round.
         ]
     return b"".join(parts)
 
@@ -116,7 +116,7 @@ def texture_places(layer: SkinLayer) -> npt.NDArray[np.float32]:
 
 def single(values: FloatArray) -> npt.NDArray[np.float32]:
     """Return numbers as they are in the file: what is left of sums that are zero is 0 on every machine."""
-    return np.where(np.abs(values) < LEAST, 0.0, rounded_array(values)).astype("<f4")
+    return np.where(np.abs(values) < NEGLIGIBLE, 0.0, rounded_array(values)).astype("<f4")
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,7 +71,8 @@ def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camer
 
     It is on the front of the eyeball; by the published law where it is at 18 months (`published_figures.DEFECTS`).
     """
-    euler_rad, geoms = (math.radians(90), math.radians(-90), 0.0), tree.geoms
+    euler_rad = (math.radians(90), math.radians(-90), 0.0)
+    geoms = tree.geoms
     cameras: dict[str, tuple[Camera, ...]] = {}
     for side in ("left", "right"):
         if eye := geoms.get(f"{side}_eye1"):
@@ -168,7 +169,8 @@ def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tu
     separate_toes = tree.hands == "five_finger"
     sole = "separate_toes" if separate_toes and tree.development == "maturing" else "one_piece"
     half_length_m, half_width_m, *_ = tree.geoms[f"{side}_foot2"].size_m
-    long, wide = half_length_m / SOLE_HALF_LENGTHS_M[sole], half_width_m / SOLE_HALF_WIDTH_M
+    long = half_length_m / SOLE_HALF_LENGTHS_M[sole]
+    wide = half_width_m / SOLE_HALF_WIDTH_M
     yield letter + "Ankle", f"{side}_foot", tree.joints[f"robot:{side}_foot3"].anchor_m
     for name, point in {"Heel": HEEL, **(SEPARATE_TOES if separate_toes else TOES_IN_ONE_PIECE)}.items():
         pos_m = (point.ahead_m * long, outward * point.outward_m * wide, 0.0)

@@ -42,10 +42,10 @@ from mimoc.schema.objects import MAX_CYCLES, GratingSpec, Material, PicturedSpec
 AHEAD: Vec3 = (1.0, 0.0, 0.0)
 ACROSS: Vec3 = (0.0, 1.0, 0.0)
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
-LYING: Quaternion = quaternion_from_axis(AHEAD, math.pi / 2)  # Of a bar along y.
+LYING: Quaternion = quaternion_from_axis(AHEAD, math.pi / 2)  # Orientation of a bar along y.
 DENSITIES_KG_M3: Mapping[str, float] = {"wood": 600.0, "cloth": 50.0}
-"""Of beech and pine, and of foam; assumptions, which move nothing: furniture is fixed."""
-LEAST_DISC_M = 0.1
+"""Densities of beech and pine, and of foam; assumptions, which move nothing: furniture is fixed."""
+MIN_DISC_M = 0.1
 """Side of the squares into which long, thin furniture is divided to cover the floor below it with discs."""
 SOFT_IMPEDANCE = (0.7, 0.95)
 """Impedance of a soft contact without depth, and at full width: those of the crib's mattress."""
@@ -150,7 +150,7 @@ def _discs(corners_m: FloatArray) -> tuple[Vec3, ...]:
     """Return discs that cover the rectangle around some places, shape (n, 2): x, y and radius, in [m]."""
     low, high = corners_m.min(axis=0), corners_m.max(axis=0)
     sides = high - low
-    counts = np.ceil(sides / max(float(sides.min()), LEAST_DISC_M)).astype(int)
+    counts = np.ceil(sides / max(float(sides.min()), MIN_DISC_M)).astype(int)
     steps = sides / counts
     places = itertools.product(*(low[axis] + steps[axis] * (np.arange(counts[axis]) + 0.5) for axis in range(2)))
     return tuple((float(x), float(y), float(np.hypot(*steps)) / 2) for x, y in places)
@@ -169,12 +169,12 @@ def _corners(piece: ObjectGeom) -> FloatArray:
 
 
 TO_INFANT = quaternion_from_matrix(matrix_from_euler((90.0, -90.0, 0.0)))
-"""Of a plane whose front looks along -x, its top up."""
+"""Orientation of a plane whose front looks along -x, its top up."""
 BEFORE_M = 0.002  # Gap between a picture and the board behind it, so that this does not show through.
 GLOWING: Rgba = (0.02, 0.02, 0.02, 1.0)
 """Colour of a picture that glows: it reflects so much of other light, and as much more shines as makes it white."""
-FACETS = 16  # Along a side: MuJoCo computes light at their corners only.
-CYCLE_PX, MOST_PX, ALONG_PX = 16, 8 * MAX_CYCLES, 8
+FACETS = 16  # Facets along a side: MuJoCo computes light at their corners only.
+CYCLE_PX, MAX_PX, ALONG_PX = 16, 8 * MAX_CYCLES, 8
 """Texels of a cycle, most of all cycles together, and texels along the stripes, where nothing changes."""
 
 
@@ -221,7 +221,7 @@ def grating(spec: GratingSpec, width_cm: float, tall_cm: float) -> bytes:
     """
     is_vertical = spec.stripes == "vertical"
     cycles = (width_cm if is_vertical else tall_cm) / spec.cycle_cm
-    count = int(min(MOST_PX, max(CYCLE_PX * np.ceil(cycles), CYCLE_PX)))
+    count = int(min(MAX_PX, max(CYCLE_PX * np.ceil(cycles), CYCLE_PX)))
     places = (np.arange(count) + 0.5) / count - 0.5
     shades = 255 / 2 * (1 + spec.contrast * np.cos(2 * np.pi * cycles * places))
     stripes = np.broadcast_to(shades[None, :, None], (ALONG_PX, count, 3))

@@ -19,7 +19,8 @@ from mimoc.compiler.scenes import Placement, footprint
 from mimoc.compiler.toys import UPRIGHT
 from mimoc.schema.objects import Motion, ObjectEntry, Substance, WaterEntry
 
-DAMPING_RATIO = 0.05  # Of what hangs: a swing falls to a third in about three and a half periods; an assumption.
+DAMPING_RATIO = 0.05
+"""Damping ratio of what hangs: a swing falls to a third in about three and a half periods; an assumption."""
 STRING_M = 0.001  # Radius of a string.
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "capsule": 6, "box": 4}
 """`condim`: 4 is sliding and spinning friction, 6 adds rolling friction, without which what is round never rests."""
@@ -87,7 +88,7 @@ class BuiltObject:
     motion: Motion
     material: Substance  # What it is made of.
     radius_m: float  # Radius of a vertical cylinder about the origin that encloses it.
-    height_m: float  # Of its highest point that something can lie on or be above.
+    height_m: float  # Height of its highest point that something can lie on or be above.
     size_m: float  # Its longest side.
     mass_kg: float
     surface_m: tuple[float, float] | None = None
@@ -160,11 +161,11 @@ class Surroundings:
     tree: BodyTree
     qpos: tuple[float, ...]  # The state in which it starts, in the world.
     start: Placement
-    half_size_m: tuple[float, float]  # Of the floor, from its middle at the origin.
+    half_size_m: tuple[float, float]  # Half lengths of the floor along x and y, with its middle at the origin.
     has_floor: bool
-    folder: Path  # That paths in the spec are relative to.
+    folder: Path  # Folder that paths in the spec are relative to.
     things: tuple[PlacedThing, ...] = ()  # The objects that are placed already.
-    prefix: str = ""  # With which the names of the infant begin in the model.
+    prefix: str = ""  # What the infant's names begin with in the model.
     taken: tuple[Vec3, ...] = ()  # Floor that other infants cover, as discs by x, y and radius, in [m].
 
     @cached_property

@@ -32,10 +32,10 @@ from mimoc.schema.scene import SceneSpec
 
 GAP_M = 0.01  # Smallest gap between an object that a place is looked for and anything next to it.
 HEIGHT_CM, DISTANCE_CM = 20.0, 10.0
-"""Of an object above something, and of one in front of or beside something, unless the spec says."""
+"""Height of an object above something, and distance of one in front of or beside something, unless the spec says."""
 STEP_M = 0.005  # Step of the search for a free place along a direction.
 FARTHEST_M = 2.0  # How far from a part an object is at most that is in front of it or beside it.
-DIRECTIONS = 32  # In which a place within reach is looked for, beginning with that away from the infant.
+DIRECTIONS = 32  # Directions in which a place within reach is looked for, first away from the infant.
 STEEP = math.sqrt(0.5)  # Vertical part of a direction from which on it is upwards or downwards, not ahead.
 WHOLE, MIDDLE = "infant", "chest"  # Word for the whole infant, and the part that is meant by it.
 
@@ -44,9 +44,9 @@ WHOLE, MIDDLE = "infant", "chest"  # Word for the whole infant, and the part tha
 class Spot:
     """A place in the world."""
 
-    pos_m: Vec3  # Of the origin of the object's own frame: the object's middle is above it, its lowest point there.
-    where: str  # In words.
-    yaw_rad: float = 0.0  # Of the axes that the object's own yaw is from.
+    pos_m: Vec3  # Origin of the object's own frame: the object's middle is above it, its lowest point there.
+    where: str  # The place in words.
+    yaw_rad: float = 0.0  # Yaw of the axes that the object's own yaw is measured from.
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +145,9 @@ def _at_point(search: Search, point: PointSpec) -> Spot:
     start, yaw_rad = search.around.start, 0.0
     x_m, y_m = cm_to_m(point.x_cm), cm_to_m(point.y_cm)
     if point.frame == "infant":
-        cosine, sine, yaw_rad = math.cos(start.yaw_rad), math.sin(start.yaw_rad), start.yaw_rad
+        cosine = math.cos(start.yaw_rad)
+        sine = math.sin(start.yaw_rad)
+        yaw_rad = start.yaw_rad
         x_m, y_m = start.x_m + cosine * x_m - sine * y_m, start.y_m + sine * x_m + cosine * y_m
     z_m = search.support_m(x_m, y_m, "at") if point.z_cm is None else cm_to_m(point.z_cm)
     frame = search.named(WHOLE) if point.frame == "infant" else point.frame
@@ -189,10 +191,8 @@ def _in_front(search: Search, name: str) -> Spot:
     part = search.part(name, "at")
     # The part whose direction is meant: its own of head and trunk, the chest's of limbs.
     region = next(body.region for body in search.around.tree.bodies if body.name == search.around.tree.home(part))
-    towards, words = (
-        search.around.frames[search.around.tree.home(MIDDLE if region == "limb" else part)][1][:, 0],
-        f"in front of {search.named(name)}",
-    )
+    towards = search.around.frames[search.around.tree.home(MIDDLE if region == "limb" else part)][1][:, 0]
+    words = f"in front of {search.named(name)}"
     distance_cm = DISTANCE_CM if search.spec.distance_cm is None else search.spec.distance_cm
     if not search.rests:
         reach_m = float(
@@ -319,7 +319,8 @@ def place_objects(objects: Sequence[ObjectSpec], infants: Mapping[str, Surroundi
 
 
 def _placed(spec: ObjectSpec, built: BuiltObject, spot: Spot, around: Surroundings) -> PlacedThing:
-    pos_m, yaw_rad = spot.pos_m, math.radians(spec.yaw_deg) + spot.yaw_rad
+    pos_m = spot.pos_m
+    yaw_rad = math.radians(spec.yaw_deg) + spot.yaw_rad
     x, y, z = (matrix_from_axis(UP, yaw_rad) @ built.root.pos_m + pos_m).tolist()
     turn = quaternion_product(quaternion_from_axis(UP, yaw_rad), built.root.quat)
     root = replace(built.root, pos_m=(x, y, z), quat=turn)
@@ -355,7 +356,8 @@ def trace_objects(things: Sequence[PlacedThing]) -> Mapping[str, Entry]:
 
 
 def _trace(number: int, thing: PlacedThing) -> list[tuple[str, Entry]]:
-    key, at = f"object.{thing.name}", f"scene.xml: body[@name='{thing.entry.body}']"
+    key = f"object.{thing.name}"
+    at = f"scene.xml: body[@name='{thing.entry.body}']"
     source = ["spec.scene.objects"]
     rule = f"its body's, {thing.entry.origin_m:.4g} m above its lowest point, which is {thing.entry.where}"
     place: Entry = {"value": thing.elements.root.pos_m, "unit": "m", "rule": rule}

@@ -163,7 +163,8 @@ def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
             yield f"joint.{motor.joint}.springref", Origin(rule, (MODEL_KEY, *tone_origin(motor).sources))
     motors = {motor.name: motor for motor in tree.motors}
     for muscle in muscles(tree):
-        motor, at = motors[muscle.mimo_actuator], f"actuator.{muscle.name}"
+        motor = motors[muscle.mimo_actuator]
+        at = f"actuator.{muscle.name}"
         strength = f"actuator.{motor.name}.gear", f"actuator.{motor.name}.forcerange"
         torque = Origin(f"{_stroke(tree).peak:g} x gear x part of forcerange", strength)
         if motor.fmax:

@@ -132,7 +132,8 @@ def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     moved = _moved(tree)
     for motor in tree.motors:
         low, high = motor.force_range
-        at, constants = f"actuator.{motor.name}", ("range", "stiffness", "springref", "damping", "armature")
+        at = f"actuator.{motor.name}"
+        constants = ("range", "stiffness", "springref", "damping", "armature")
         masses = (f"body.{body}.mass" for body in moved[motor.joint])
         gains = (*(f"joint.{motor.joint}.{constant}" for constant in constants), STEP_KEY, *masses)
         limits = (
@@ -176,7 +177,9 @@ def servos(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
 
     The longer the physics timestep, the softer are the servos, so that none of them shakes.
     """
-    joints, quick, step_s = tree.joints, quick_joints(tree), max(timestep_s, FINEST_STEP_S)
+    joints = tree.joints
+    quick = quick_joints(tree)
+    step_s = max(timestep_s, FINEST_STEP_S)
     lags_s = {name: EYES_S if name in quick else LAG_S for name in joints}
     inertias_kgm2 = inertias(tree)
     return tuple(

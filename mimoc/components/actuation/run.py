@@ -10,15 +10,14 @@ from mimoc.schema.actuation import ActuationEntry
 
 
 def bind_torque(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
-    """Bind motors: torque = gear x command in [-1, 1], or x the activation that follows it under `maturing`."""
+    """Bind motors: torque = gear x command in [-1, 1]; under `maturing`, gear x the activation that follows it."""
     ids = find_actuators(entry, model)
     limits_nm = limits_of_motors(model, ids)
-    drive = (
-        (activations(model, ids), "activation")
-        if (model.actuator_actadr[ids] >= 0).all() and len(ids)
-        else (Field("ctrl", ids), "command")
-    )
-    return Actuation(ids, *command_range(entry), limits_nm, effort_of(Field("actuator_force", ids), limits_nm), *drive)
+    effort = effort_of(Field("actuator_force", ids), limits_nm)
+    if len(ids) and (model.actuator_actadr[ids] >= 0).all():
+        drive = activations(model, ids)
+        return Actuation(ids, *command_range(entry), limits_nm, effort, drive, "activation")
+    return Actuation(ids, *command_range(entry), limits_nm, effort, Field("ctrl", ids), "command")
 
 
 def bind_muscle(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:

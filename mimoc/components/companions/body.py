@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from mimoc.base.geometry.adult import SIDES, Adult, Palm, Side, neck
-from mimoc.base.geometry.reach import Frame, lean
+from mimoc.base.geometry.reach import Frame, leaning_pose
 from mimoc.base.geometry.rotations import FloatArray, cross, quaternion_from_matrix
 from mimoc.base.mujoco_layout import WELD_ANCHOR, WELD_PLACE, WELD_TURN
 from mimoc.bundle.manifest import Manifest
@@ -154,7 +154,9 @@ class CaregiverBody:
         It pushes into none of the infants.
         """
         self._is_infants_geom = np.any([infant.is_its_geom for infant in infants], axis=0)
-        self._entry, self._model, self.timestep_s = entry, model, model.opt.timestep
+        self._entry = entry
+        self._model = model
+        self.timestep_s = model.opt.timestep
         self.adult = Adult(entry.scale)
         self.head = model.body(entry.head).id
         arms = dict(zip(SIDES, entry.arms, strict=True))
@@ -185,7 +187,9 @@ class CaregiverBody:
         """Be where the spec says by an infant in its pose, looking at it, with resting hands that do not touch it."""
         entry = self._entry
         to_left = entry.side == "left"
-        leaning = lean(self.adult.figure, infant.face(data), entry.place, to_left, entry.distance_m, entry.height_m)
+        leaning = leaning_pose(
+            self.adult.figure, infant.face(data), entry.place, to_left, entry.distance_m, entry.height_m
+        )
         self._head_m, self._head_turn = leaning.head
         self._trunk, self._neck = leaning.trunk, neck(leaning)
         self._turn: dict[str, Any] = {"at": True, "from": self._head_turn, "steps": 1, "done": 1, "seen_m": [0.0] * 3}

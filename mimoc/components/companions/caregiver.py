@@ -19,18 +19,35 @@ from mimoc.runtime.sound import SILENT_AFTER_MS, Sound, SoundSources, Voice, ste
 from mimoc.schema.caregiver import ACTS, CaregiverEntry
 
 NAME = "caregiver"
-SMILE_MS, VOICE_MS = 1500.0, 400.0  # How long it smiles and speaks unless it is said; assumptions.
-PITCH_HZ, LEVEL_DB = 260.0, 60.0
+SMILE_MS = 1500.0  # How long it smiles unless an act says otherwise; an assumption.
+VOICE_MS = 400.0  # How long it speaks unless an act says otherwise; an assumption.
+PITCH_HZ = 260.0
 """Fundamental frequency of its voice: about the mean of mothers who speak to infants (Fernald et al. 1989, J Child Lang
-16: 477; from memory); and its level at 1 m, that of conversation (from memory)."""
+16: 477; from memory)."""
+LEVEL_DB = 60.0  # Sound pressure level of its voice at 1 m: that of conversation (from memory).
 HAPPY, NEUTRAL = "happy", "neutral"
 LOOKING_RAD, LOOKED_AWAY_RAD = math.radians(15), math.radians(20)
 """Angle between gaze and face up to which an infant looks at the face, and beyond which it looks elsewhere; an
 assumption."""
 SPOKEN_DB = 40.0
 """Sound pressure level at 1 m from which on the infant's voice is answered, a quiet voice; an assumption."""
-LOOK_S = 0.2  # How long a look is at least; an assumption.
-Noted = tuple[int, str]  # A physics step, and the infant that it is about.
+LOOK_S = 0.2  # Shortest duration of a look; an assumption.
+REMEMBERED = (
+    "next",
+    "acts",
+    "said",
+    "due",
+    "answered",
+    "noticed",
+    "pauses_until",
+    "is_answering",
+    "shown",
+    "smiles_until",
+    "yoked_next",
+    "attended",
+)
+"""What a caregiver remembers besides what its body and hands do, by the names of its attributes."""
+Noted = tuple[int, str]  # A physics step, and the name of the infant that it is about.
 
 
 class Onsets:
@@ -48,7 +65,9 @@ class Onsets:
             "vocalisation": self._speaks,
             "touch": self._touches,
         }[to]
-        self._infant, self._kick_m, self._timestep_s = infant, kick_m, timestep_s
+        self._infant = infant
+        self._kick_m = kick_m
+        self._timestep_s = timestep_s
         self._sources: SoundSources | None = None
         self._voice: Voice | None = None
         self.reset()
@@ -56,8 +75,12 @@ class Onsets:
     def reset(self) -> None:
         """Begin an episode."""
         self.state: dict[str, Any] = {"legs": [[False, None] for _ in self._infant.legs], "since": 0, "heard": -1}
-        """What it remembers: of each leg, whether it is extended and its extreme length since; for how many steps the
-        infant has looked or touched, or whether it is loud; the latest physics step with a sound."""
+        """State within an episode.
+
+        `legs`: of each leg, whether it extends, and its greatest length since that began; or, if it bends, its least.
+        `since`: physics steps of the present look or touch; for the voice, 1 while it is loud, else 0. `heard`: physics
+        step in which the latest sound of the voice began, -1 for none.
+        """
 
     def listen_to(self, sources: SoundSources, voice: Voice | None) -> None:
         """Hear these sources and the infant's own voice."""
@@ -70,24 +93,25 @@ class Onsets:
     def _kicks(self, data: mujoco.MjData, face_m: FloatArray, is_touched: bool) -> bool:
         begins = False
         for leg, length_m in zip(self.state["legs"], self._infant.leg_lengths_m(data), strict=True):
-            is_long, extreme_m = leg
-            extreme_m = length_m if extreme_m is None else (max if is_long else min)(extreme_m, length_m)
+            extends, extreme_m = leg
+            extreme_m = length_m if extreme_m is None else (max if extends else min)(extreme_m, length_m)
             if abs(length_m - extreme_m) >= self._kick_m:
-                begins |= not is_long
-                is_long, extreme_m = not is_long, length_m
-            leg[:] = is_long, extreme_m
+                begins |= not extends
+                extends, extreme_m = not extends, length_m
+            leg[:] = extends, extreme_m
         return begins
 
     def _looks(self, data: mujoco.MjData, face_m: FloatArray, is_touched: bool) -> bool:
         place_m, way = self._infant.gaze(data)
         to_face = (face_m - place_m) / np.linalg.norm(face_m - place_m)
-        angle_rad, since = math.acos(min(max(float(way @ to_face), -1.0), 1.0)), self.state["since"]
-        least = round(LOOK_S / self._timestep_s)
-        if angle_rad <= LOOKING_RAD or (since >= least and angle_rad <= LOOKED_AWAY_RAD):
-            self.state["since"] = since + 1
+        angle_rad = math.acos(min(max(float(way @ to_face), -1.0), 1.0))
+        least_steps = round(LOOK_S / self._timestep_s)
+        is_looking = self.state["since"] >= least_steps
+        if angle_rad <= LOOKING_RAD or (is_looking and angle_rad <= LOOKED_AWAY_RAD):
+            self.state["since"] += 1
         else:
             self.state["since"] = 0
-        return self.state["since"] == least
+        return self.state["since"] == least_steps
 
     def _touches(self, data: mujoco.MjData, face_m: FloatArray, is_touched: bool) -> bool:
         self.state["since"] = self.state["since"] + 1 if is_touched else 0
@@ -95,8 +119,8 @@ class Onsets:
 
     def _speaks(self, data: mujoco.MjData, face_m: FloatArray, is_touched: bool) -> bool:
         sounds = self._sources.sounds(data) if self._sources else ()
-        voices = [item.start_step for item in sounds if item.kind == "voice" and item.source != "caregiver"]
-        latest = max(voices, default=-1)
+        starts = [sound.start_step for sound in sounds if sound.kind == "voice" and sound.source != NAME]
+        latest = max(starts, default=-1)
         is_loud = self._voice is not None and self._voice.level_db > SPOKEN_DB
         begins = latest > self.state["heard"] or (is_loud and not self.state["since"])
         self.state |= {"heard": max(latest, self.state["heard"]), "since": int(is_loud)}
@@ -134,24 +158,26 @@ class Caregiver(Companion):
         if manifest.caregiver is None:
             raise MimocError("this infant has no caregiver; add 'caregiver: {}' to the scene of its spec")
         self.entry: CaregiverEntry = manifest.caregiver
-        self._generator, self._timestep_ms = generator, manifest.timestep_ms
+        self._generator = generator
+        self._timestep_ms = manifest.timestep_ms
         manifests = manifests_of(bundle)
         self._first = self.entry.infant or next(iter(manifests))
-        self.infants: Mapping[str, Infant] = {name: Infant(one, model) for name, one in manifests.items()}
+        self.infants: Mapping[str, Infant] = {name: Infant(of_infant, model) for name, of_infant in manifests.items()}
         self.body = CaregiverBody(self.entry, model, self.infants.values())
         self.model_fields = self.body.model_fields
         self._objects = offered_objects(manifest, model)
         self._parts = {name: _parts(manifests[name], infant, model) for name, infant in self.infants.items()}
-        self.hands = Hands(self.body, self.infants, self._objects, model)
+        self.hands = Hands(self.body, self.infants, self._objects)
         self._script = [(self._steps(act.at_ms), act) for act in self.entry.script]
         for _, act in self._script:
             self._check(act.do, act.what, act.infant, act.details)
         answers = self.entry.answers
-        self._onsets = {
-            name: Onsets(answers.to, self.infants[name], one.caregiver.answers.kick_m, model.opt.timestep)
-            for name, one in manifests.items()
-            if answers and one.caregiver and one.caregiver.answers and (self.entry.answers_all or name == self._first)
-        }
+        self._onsets: dict[str, Onsets] = {}  # By the names of the infants that are answered.
+        for name, of_infant in manifests.items():
+            is_answered = self.entry.answers_all or name == self._first
+            if answers and is_answered and of_infant.caregiver and of_infant.caregiver.answers:
+                kick_m = of_infant.caregiver.answers.kick_m
+                self._onsets[name] = Onsets(answers.to, self.infants[name], kick_m, model.opt.timestep)
         self._yoked = [self._steps(at_ms) for at_ms in answers.yoked_ms] if answers else []
         self._forget()
 
@@ -258,7 +284,8 @@ class Caregiver(Companion):
 
     def after_step(self, data: mujoco.MjData) -> None:
         """Notice what infants have done."""
-        answers, step = self.entry.answers, step_of(data.time, self.body.timestep_s)
+        answers = self.entry.answers
+        step = step_of(data.time, self.body.timestep_s)
         if answers is None:
             return
         for name, onsets in self._onsets.items():
@@ -269,9 +296,9 @@ class Caregiver(Companion):
             if self._yoked or not self._is_answering or step < self._pauses_until:
                 continue
             if self._generator.random() < answers.probability:
-                due = step + self._steps(answers.delay_ms)
-                self._due.append((due, name))
-                self._pauses_until = due + self._steps(answers.pause_ms)
+                due_step = step + self._steps(answers.delay_ms)
+                self._due.append((due_step, name))
+                self._pauses_until = due_step + self._steps(answers.pause_ms)
 
     def sounds(self, data: mujoco.MjData) -> Sequence[Sound]:
         """Return what it has said and can still be heard."""
@@ -283,8 +310,8 @@ class Caregiver(Companion):
     def state(self) -> dict[str, Any]:
         """All that it remembers within an episode."""
         kept = {name: getattr(self, f"_{name}") for name in REMEMBERED}
-        onsets = {"onsets": {name: one.state for name, one in self._onsets.items()}} if self._onsets else {}
-        return {**kept, **onsets, "orders": self.orders, "body": self.body.state, "hands": self.hands.state}
+        of_infants = {"onsets": {name: onsets.state for name, onsets in self._onsets.items()}} if self._onsets else {}
+        return {**kept, **of_infants, "orders": self.orders, "body": self.body.state, "hands": self.hands.state}
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
@@ -292,23 +319,30 @@ class Caregiver(Companion):
             setattr(self, f"_{name}", state[name])
         for name, onsets in self._onsets.items():
             onsets.state = state["onsets"][name]
-        self.orders, self.body.state, self.hands.state = state["orders"], state["body"], state["hands"]
+        self.orders = state["orders"]
+        self.body.state = state["body"]
+        self.hands.state = state["hands"]
 
     def _forget(self) -> None:
-        self._next, self._acts, self._said = 0, list[tuple[int, str, str | None]](), list[tuple[Any, ...]]()
+        self._next = 0  # Index of the next act of the script.
+        self._yoked_next = 0  # Index of the next yoked answer.
+        self._acts = list[tuple[int, str, str | None]]()
+        self._said = list[tuple[Any, ...]]()
         self._due, self._answered, self._noticed = list[Noted](), list[Noted](), list[Noted]()
         self._attended = self._first
-        self._pauses_until, self._is_answering, self._shown = 0, True, self.entry.expression
+        self._is_answering = True
+        self._pauses_until = 0
+        self._shown = self.entry.expression
         self._smiles_until: int | None = None
-        self._yoked_next, self.orders = 0, []
+        self.orders = []
 
     def _answer(self, step: int, data: mujoco.MjData) -> None:
         answers = self.entry.answers
         while self._yoked_next < len(self._yoked) and self._yoked[self._yoked_next] <= step:
             self._yoked_next += 1
             self._due.append((step, self._attended))
-        for due, name in [due for due in self._due if due[0] <= step]:
-            self._due.remove((due, name))
+        for due_step, name in [noted for noted in self._due if noted[0] <= step]:
+            self._due.remove((due_step, name))
             if answers and self._is_answering:
                 self._answered.append((step, name))
                 self._attend(name, data)
@@ -350,14 +384,15 @@ class Caregiver(Companion):
                 self.hands.hold(self._parts[self._attended][what], self._attended, details.get("weight_share"), data)
             case "release", _:
                 self.hands.release(data)
-            case _:
+            case _:  # Acts still_face and interact.
                 self._show(self.entry.expression if act == "interact" else NEUTRAL)
                 self._is_answering = act == "interact"
                 self.body.look(True, data, self.infant)
 
     def _show(self, expression: str) -> None:
         """Show a facial expression until another one, smiles apart."""
-        self._shown, self._smiles_until = expression, None
+        self._shown = expression
+        self._smiles_until = None
         self.body.show(expression)
 
     def _check(self, act: str, what: str | None, infant: str | None, details: Mapping[str, float]) -> None:
@@ -381,13 +416,6 @@ class Caregiver(Companion):
 
     def _sound(self, step: int, duration_ms: float, pitch_hz: float, level_db: float) -> Sound:
         return Sound(step, duration_ms, pitch_hz, level_db, "voice", NAME, self.body.head, self.entry.mouth_m)
-
-
-REMEMBERED = (
-    *("next", "acts", "said", "due", "answered", "noticed", "pauses_until", "is_answering", "shown", "smiles_until"),
-    *("yoked_next", "attended"),
-)
-"""What a caregiver remembers besides what its body and hands do, by the names of its attributes."""
 
 
 def _parts(manifest: Manifest, infant: Infant, model: mujoco.MjModel) -> dict[str, int]:

@@ -9,12 +9,13 @@ import numpy as np
 
 from mimoc.base.geometry.adult import SIDES, Palm, Side
 from mimoc.base.geometry.reach import UP
+from mimoc.base.geometry.rotations import FloatArray
 from mimoc.components.companions.body import CaregiverBody, HandPath, Infant
 
-ABOVE_M = 0.025  # From the top of an object to the middle of the palm that holds it.
-WITHIN_REACH_M = 0.06  # From the infant's hand to the surface of an object that is offered; an assumption.
+ABOVE_M = 0.025  # Distance from the top of an object to the middle of the palm that holds it.
+WITHIN_REACH_M = 0.06  # Distance from the infant's hand to the surface of an object that is offered; an assumption.
 WAITING_S = 0.2  # How long a hand waits that touches the infant before it counts as arrived; an assumption.
-AROUND_M = 0.12  # How far from its end, to the side or above, the last part of a movement begins; an assumption.
+AROUND_M = 0.12  # How far beside or above its end the last part of a movement begins; an assumption.
 OVER_M = 0.6  # Height of the control point of a movement over the infant, above its ends; an assumption.
 TRIES = 3  # How often a hand tries to get over the infant.
 TAKING_OVER_S = 0.3  # Time in which a hand takes over its share of the infant's weight; an assumption.
@@ -25,20 +26,33 @@ class Offered:
     """An object that can be offered."""
 
     body: int
-    radius_m: float  # Of a sphere around its centre that encloses it.
+    radius_m: float  # Radius of a sphere around its centre that encloses it.
 
 
 class Hands:
-    """What each hand does.
+    """What each hand does: its task.
+
+    An order gives a hand a new task, whatever it did before; it goes on to the next task by itself::
+
+        offer ----> fetch --arrived--> carry --arrived--> give
+                      |
+                      +--blocked more than TRIES times--> give up
+
+        hold -----> approach --arrived--> held, by one hand; or support, by both, each with half of the share
+
+        release --> rest
+
+    A hand that the infant has blocked for WAITING_S in the second half of its movement counts as arrived. On the way to
+    an object, in either half, it tries to get over the infant instead. A hand that gives up rests until the next order.
 
     A hand that holds a part of the infant is welded to it, softly; two hands that carry a share s of its weight W push
     the part upwards with s W, and follow it.
     """
 
-    def __init__(
-        self, body: CaregiverBody, infants: Mapping[str, Infant], objects: Mapping[str, Offered], model: mujoco.MjModel
-    ):
-        self._body, self._infants, self._objects, self._model = body, infants, objects, model
+    def __init__(self, body: CaregiverBody, infants: Mapping[str, Infant], objects: Mapping[str, Offered]):
+        self._body = body
+        self._infants = infants
+        self._objects = objects
         self.reset()
 
     def reset(self) -> None:
@@ -50,7 +64,7 @@ class Hands:
         """Bring an object within reach of an infant's nearest hand."""
         item = self._objects[name]
         place_m = data.xpos[item.body]
-        side = min(SIDES, key=lambda one: float(np.linalg.norm(self._body.shoulder_m(one) - place_m)))
+        side = self._nearest_hand(place_m)
         self._free(side, data)
         self._tasks[side] = {"does": "fetch", "object": name, "infant": infant, "waits": 0, "tries": 0}
         palm = Palm(place_m + (item.radius_m + ABOVE_M) * UP, -UP)
@@ -59,13 +73,13 @@ class Hands:
     def hold(self, body: int, infant: str, weight_share: float | None, data: mujoco.MjData) -> None:
         """Hold a part of an infant: with the nearest hand, or carry a share of its weight with both."""
         middle_m = data.xipos[body].copy()
-        near = min(SIDES, key=lambda one: float(np.linalg.norm(self._body.shoulder_m(one) - middle_m)))
-        for side in SIDES if weight_share is not None else (near,):
+        carries = weight_share is not None
+        for side in SIDES if carries else (self._nearest_hand(middle_m),):
             self._free(side, data)
             self._tasks[side] = {"does": "approach", "part": body, "infant": infant, "share": weight_share, "waits": 0}
-            out = self._body.outward(side) + (0.3 if weight_share is not None else 0.7) * UP
-            out = out / np.linalg.norm(out)
-            self._body.move(side, Palm(middle_m, -out), middle_m + 2 * AROUND_M * out)
+            outward = self._body.outward(side) + (0.3 if carries else 0.7) * UP
+            outward = outward / np.linalg.norm(outward)
+            self._body.move(side, Palm(middle_m, -outward), middle_m + 2 * AROUND_M * outward)
 
     def release(self, data: mujoco.MjData) -> None:
         """Let go of all, and rest."""
@@ -92,11 +106,14 @@ class Hands:
                 self._body.follow(side, place_m, data)
         self._carry(data)
 
+    def _nearest_hand(self, place_m: FloatArray) -> Side:
+        return min(SIDES, key=lambda side: float(np.linalg.norm(self._body.shoulder_m(side) - place_m)))
+
     def _has_arrived(self, side: Side, task: dict[str, Any], data: mujoco.MjData) -> bool:
         path = self._body.paths[side]
-        is_near = path is None or path.done > 0.5 * path.steps
-        waits = (is_near or task["does"] == "fetch") and self._body.is_blocked(side, data)
-        task["waits"] = task["waits"] + 1 if waits else 0
+        is_past_half = path is None or path.done > 0.5 * path.steps
+        is_waiting = (is_past_half or task["does"] == "fetch") and self._body.is_blocked(side, data)
+        task["waits"] = task["waits"] + 1 if is_waiting else 0
         has_waited = task["waits"] * self._body.timestep_s >= WAITING_S
         if has_waited and path and task["does"] == "fetch":
             self._go_over(side, task, path, data)
@@ -104,7 +121,7 @@ class Hands:
         return path is None or path.is_done or has_waited
 
     def _go_over(self, side: Side, task: dict[str, Any], path: HandPath, data: mujoco.MjData) -> None:
-        """Try to get to the end of a movement over the infant, which is in between, a few times."""
+        """Move to the same end over the infant, which is in between; give up after a few times."""
         task |= {"waits": 0, "tries": task["tries"] + 1}
         if task["tries"] > TRIES:
             self._tasks[side] = {"does": "give up"}
@@ -133,17 +150,17 @@ class Hands:
     def _offering(self, item: Offered, infant: Infant, data: mujoco.MjData) -> Palm:
         """Return where a palm holds an object within reach of the infant's nearest hand."""
         places_m = [data.xpos[hand] for hand in infant.hands] or [infant.face_m(data)]
-        place_m = min(places_m, key=lambda one: float(np.linalg.norm(one - data.xpos[item.body])))
-        way = self._body.face_m(data) - place_m
-        way = way / np.linalg.norm(way)
-        return Palm(place_m + (WITHIN_REACH_M + item.radius_m) * way + (item.radius_m + ABOVE_M) * UP, -UP)
+        nearest_m = min(places_m, key=lambda place_m: float(np.linalg.norm(place_m - data.xpos[item.body])))
+        to_face = self._body.face_m(data) - nearest_m
+        to_face = to_face / np.linalg.norm(to_face)
+        return Palm(nearest_m + (WITHIN_REACH_M + item.radius_m) * to_face + (item.radius_m + ABOVE_M) * UP, -UP)
 
     def _free(self, side: Side, data: mujoco.MjData) -> None:
         self._body.let_go(side, data)
         self._body.paths[side] = None
 
     def _carry(self, data: mujoco.MjData) -> None:
-        """Push what both hands carry upwards with its share of the infant's weight, in place of what was pushed."""
+        """Push the part that both hands carry upwards by the share of the infant's weight; take back the last push."""
         carrying = [task for task in self._tasks.values() if task["does"] == "support"]
         if self._pushed:
             body, newtons = self._pushed
@@ -164,4 +181,5 @@ class Hands:
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
-        self._tasks, self._pushed = state["tasks"], state["pushed"] and (state["pushed"][0], state["pushed"][1])
+        self._tasks = state["tasks"]
+        self._pushed = state["pushed"] and (state["pushed"][0], state["pushed"][1])

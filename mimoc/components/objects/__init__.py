@@ -150,7 +150,7 @@ Figure = Literal[
 """The toys of mimoc's whose sides are worth looking at."""
 
 
-COUNT: dict[str, JsonValue] = {"minItems": 2, "maxItems": 8}  # Of figures: one alone would pull the mobile askew.
+COUNT: dict[str, JsonValue] = {"minItems": 2, "maxItems": 8}  # How many figures: one alone would pull the mobile askew.
 
 
 def _counted(figures: Sequence[str]) -> Sequence[str]:

@@ -71,8 +71,10 @@ BENT_ARM = 0.8  # How far it is from a shoulder to the rail, in lengths of the s
 
 def build_rail(spec: RailSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a rail: a bar along y across two posts."""
-    name, wood = object_name(spec.name), finish(object_name(spec.name), spec.colour)
-    half_m, height_m = cm_to_m(spec.width_cm) / 2, bar_height(spec, surroundings.tree)
+    name = object_name(spec.name)
+    wood = finish(object_name(spec.name), spec.colour)
+    half_m = cm_to_m(spec.width_cm) / 2
+    height_m = bar_height(spec, surroundings.tree)
     pieces = [bar(f"{name}_bar", half_m, (0.0, 0.0, height_m), wood)]
     for side, y_m in ("left", half_m), ("right", -half_m):
         pieces.append(post(f"{name}_post_{side}", RAIL_POST_M, height_m, (0.0, y_m), wood))
@@ -125,7 +127,8 @@ def _arm_ahead(
 
 def _body_ahead(tree: BodyTree, state: State, height_m: float) -> float:
     """Return how far before the hip the bar is at least, in [m]: clear of trunk, head and legs."""
-    lowest_m, foremost_m = body_reaches(tree, state, (0.0, 0.0, -1.0)), body_reaches(tree, state, (1.0, 0.0, 0.0))
+    lowest_m = body_reaches(tree, state, (0.0, 0.0, -1.0))
+    foremost_m = body_reaches(tree, state, (1.0, 0.0, 0.0))
     highest_m = body_reaches(tree, state, (0.0, 0.0, 1.0))
     groups, near_m = tree.body_groups, RAIL_RADIUS_M + BAR_GAP_M
     beside = [
@@ -142,7 +145,8 @@ TABLE_TOP_M, TABLE_LEG_M = 0.02, 0.04  # Thickness of its top, and of its legs.
 
 def build_table(spec: TableSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a table: its top, and a leg at each corner."""
-    name, wood = object_name(spec.name), finish(object_name(spec.name), spec.colour)
+    name = object_name(spec.name)
+    wood = finish(object_name(spec.name), spec.colour)
     half_x_m, half_y_m = (cm_to_m(side) / 2 for side in spec.sides_cm)
     top_m = cm_to_m(spec.top_cm)
     thickness_m = min(TABLE_TOP_M, top_m / 2)
@@ -157,7 +161,8 @@ def build_table(spec: TableSpec, surroundings: Surroundings) -> BuiltObject:
 
 def start_table(spec: TableSpec, tree: BodyTree, states: Mapping[str, State]) -> FurnitureStart:
     """Return how an infant stands before the table, its forearms level above it unless it is too high."""
-    top_m, standing = cm_to_m(spec.top_cm), poses_of(tree)["standing"]
+    top_m = cm_to_m(spec.top_cm)
+    standing = poses_of(tree)["standing"]
     over = resting_state(tree, replace(standing, angles_deg={**standing.angles_deg, **AT_TABLE}))
     for state, over_table in (over, ON_TABLE), (states["standing"], ()):
         lowest_m, foremost_m = (body_reaches(tree, state, (x, 0.0, x - 1.0)) for x in (0.0, 1.0))
@@ -170,11 +175,15 @@ def start_table(spec: TableSpec, tree: BodyTree, states: Mapping[str, State]) ->
 
 def build_stairs(spec: StairsSpec, surroundings: Surroundings) -> BuiltObject:
     """Return stairs: a box from the floor for each step."""
-    name, wood = object_name(spec.name), finish(object_name(spec.name), spec.colour)
-    rise_m, run_m, half_y_m = cm_to_m(spec.rise_cm), cm_to_m(spec.run_cm), cm_to_m(spec.width_cm) / 2
+    name = object_name(spec.name)
+    wood = finish(object_name(spec.name), spec.colour)
+    rise_m = cm_to_m(spec.rise_cm)
+    run_m = cm_to_m(spec.run_cm)
+    half_y_m = cm_to_m(spec.width_cm) / 2
     pieces = []
     for number in range(1, spec.steps + 1):
-        x_m, half_z_m = (number - (spec.steps + 1) / 2) * run_m, number * rise_m / 2
+        x_m = (number - (spec.steps + 1) / 2) * run_m
+        half_z_m = number * rise_m / 2
         pieces.append(board(f"{name}_{number}", (run_m / 2, half_y_m, half_z_m), (x_m, 0.0, half_z_m), wood))
     return fixed_object(name, pieces, (wood,), "wood")
 
@@ -184,8 +193,11 @@ SLOPE_THICKNESS_M = 0.02
 
 def build_slope(spec: SlopeSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a slope: a board, and a wall below its high end."""
-    name, wood = object_name(spec.name), finish(object_name(spec.name), spec.colour)
-    half_m, half_y_m, angle_rad = cm_to_m(spec.length_cm) / 2, cm_to_m(spec.width_cm) / 2, math.radians(spec.angle_deg)
+    name = object_name(spec.name)
+    wood = finish(object_name(spec.name), spec.colour)
+    half_m = cm_to_m(spec.length_cm) / 2
+    half_y_m = cm_to_m(spec.width_cm) / 2
+    angle_rad = math.radians(spec.angle_deg)
     rise_m = half_m * math.sin(angle_rad)
     down_m = SLOPE_THICKNESS_M / 2 * np.array([-math.sin(angle_rad), 0.0, math.cos(angle_rad)])
     pieces = [
@@ -211,7 +223,8 @@ def start_slope(spec: SlopeSpec, tree: BodyTree, states: Mapping[str, State]) ->
 
 def build_wall(spec: WallSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a wall: a box, and its picture."""
-    name, paint = object_name(spec.name), finish(object_name(spec.name), spec.colour)
+    name = object_name(spec.name)
+    paint = finish(object_name(spec.name), spec.colour)
     half_m = cm_to_m(spec.thickness_cm) / 2, cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2
     pictures, looks = show(name, spec, surroundings.folder, (-half_m[0], 0.0, half_m[2]), glows=False)
     box = board(name, half_m, (0.0, 0.0, half_m[2]), paint)
@@ -225,10 +238,14 @@ SCREEN_FOOT = 0.4  # Length of its foot, for one width of the screen.
 
 def build_screen(spec: ScreenSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a screen: a panel, its picture, and a stand."""
-    name, paint = object_name(spec.name), finish(object_name(spec.name), spec.colour)
-    half_y_m, half_z_m, z_m = cm_to_m(spec.width_cm) / 2, cm_to_m(spec.tall_cm) / 2, cm_to_m(spec.middle_cm)
+    name = object_name(spec.name)
+    paint = finish(object_name(spec.name), spec.colour)
+    half_y_m = cm_to_m(spec.width_cm) / 2
+    half_z_m = cm_to_m(spec.tall_cm) / 2
+    z_m = cm_to_m(spec.middle_cm)
     pictures, looks = show(name, spec, surroundings.folder, (-SCREEN_THICKNESS_M / 2, 0.0, z_m), glows=True)
-    half_post_m, half_foot_m = SCREEN_POST_M / 2, SCREEN_FOOT * half_y_m
+    half_post_m = SCREEN_POST_M / 2
+    half_foot_m = SCREEN_FOOT * half_y_m
     behind_m = SCREEN_THICKNESS_M / 2 + half_post_m
     pieces = (
         board(name, (SCREEN_THICKNESS_M / 2, half_y_m, half_z_m), (0.0, 0.0, z_m), paint),
@@ -238,7 +255,7 @@ def build_screen(spec: ScreenSpec, surroundings: Surroundings) -> BuiltObject:
     return fixed_object(name, (*pieces, *pictures), (paint,), "wood", pictures=looks)
 
 
-WATER_OPACITY = 0.35  # Of its colour: the infant in it is seen.
+WATER_OPACITY = 0.35  # Opacity of its colour: the infant in it is seen.
 WATER_SEEN_ABOVE_M = 0.001
 """How far above the bottom it is seen, so that its bottom and the floor are not drawn in the same place."""
 

@@ -47,17 +47,17 @@ from mimoc.components.toys.builtin import load_toy
 
 HUB_M, HUB_KG = 0.018, 0.05  # Radius and mass of the wooden hub with its arms.
 ARM_M, SLOPE_M = 0.004, 0.04  # Radius of the arms, and how far they go down to their ends.
-THREAD_M = 0.05  # From the end of an arm to its figure.
+THREAD_M = 0.05  # Length of the thread from the end of an arm to its figure.
 BELL_M, LARGEST_BELL_M, BELL_KG = 0.015, 0.035, 0.03
 """Smallest and largest radius and mass of the bell: a hollow ball of brass."""
 ROD_M, ROD_HZ = 0.0025, 8.0  # Radius of the rod that carries the bell, and the frequency at which it vibrates.
-GAP_M = 0.008  # Between the figures and the bell, and between two figures at least.
+GAP_M = 0.008  # Smallest gap between the figures and the bell, and between two figures.
 SITE_M = 0.003
 ON_ITS_SIDE: Quaternion = quaternion_from_axis((1.0, 0.0, 0.0), math.pi / 2)
 """Turns a toy that stands so that its side faces down, where the infant is."""
 WOOD, BRASS, RIBBON = (0.82, 0.66, 0.46, 1.0), (0.86, 0.68, 0.25, 1.0), (0.82, 0.2, 0.35, 1.0)
 HUES = (0.0, 0.14, 0.6, 0.36, 0.78, 0.07, 0.5, 0.9)
-"""Of the figures one after another: red, yellow, blue, green, violet, orange, turquoise and pink."""
+"""Hues of the figures one after another: red, yellow, blue, green, violet, orange, turquoise and pink."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class Layout:
     cord_m: float
     arm_m: float  # How far the ends of the arms are from the middle.
     figure_m: float  # Half the height of its highest figure.
-    radius_m: float  # Of the bell, which reaches nearly to the figures.
+    radius_m: float  # Radius of the bell, which reaches nearly to the figures.
 
     @property
     def bell_m(self) -> float:
@@ -142,7 +142,8 @@ def _hanging(name: str, spec: MobileSpec, layout: Layout, figures: Sequence[Figu
         end_m = layout.end_m(turn_rad)
         arms.append(bar(f"{name}_arm{number + 1}", wood, ARM_M, np.array(hub_m), end_m))
         children.append(_hung(f"{name}_figure{number + 1}", wood, spec, figure, end_m, turn_rad))
-    low_m, figures_kg = layout.cord_m + layout.bell_m, len(figures) * spec.figure_g / 1000
+    low_m = layout.cord_m + layout.bell_m
+    figures_kg = len(figures) * spec.figure_g / 1000
     bodies = (HUB_KG, layout.cord_m, HUB_M), (BELL_KG, low_m, layout.radius_m), (figures_kg, low_m, layout.arm_m)
     damping = pendulum_damping(*bodies)
     return ObjectBody(
@@ -188,7 +189,8 @@ def _hung(name: str, wood: str, spec: MobileSpec, figure: Figure, end_m: FloatAr
 
 
 def _figure(spec: MobileSpec, number: int, name: str) -> Figure:
-    model, size_m = load_toy(spec.figures[number]), cm_to_m(spec.size_cm)
+    model = load_toy(spec.figures[number])
+    size_m = cm_to_m(spec.size_cm)
     density_kg_m3 = spec.figure_g / 1000 / (model.volume * size_m**3)
     hue = HUES[number]
     colours: dict[Tint, Rgba] = {
@@ -198,7 +200,8 @@ def _figure(spec: MobileSpec, number: int, name: str) -> Figure:
         "light": LIGHT,
     }
     toy = Toy(replace(model, density_kg_m3=density_kg_m3), size_m, 0.0, colours)
-    pieces, turn = pieces_of(toy, name, name), matrix_from_quaternion(ON_ITS_SIDE)
+    pieces = pieces_of(toy, name, name)
+    turn = matrix_from_quaternion(ON_ITS_SIDE)
     corners = np.concatenate([part.mesh.vertices for part in model.parts]) * size_m @ turn.T
     centre_m = turn @ centre_of_mass(toy, [geom for geom, _ in pieces])
     x_m, y_m, z_m = (-centre_m).tolist()

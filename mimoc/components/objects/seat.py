@@ -33,7 +33,7 @@ REST_DEG: Mapping[str, float] = {"{side}_hip2": -15.0, "{side}_hip3": 0.0, "{sid
 SWUNG_DEG = 6.0  # How far before the vertical shanks hang, since knees are stiff; measured at 1 to 24 months.
 SLACK_RAD = 0.6  # How far a thigh can be turned down until it touches a bottom that the hip already touches.
 PRECISION_RAD = 1e-6
-THICKNESS_M = 0.02  # Of its boards.
+THICKNESS_M = 0.02  # Thickness of its boards.
 ABOVE_HEAD_M, BESIDE_M, BEFORE_KNEE_M = 0.03, 0.01, 0.005
 """How far the back is above the head, the side boards are from the hips, and the shanks from the bottom."""
 FEET_M = 0.03  # How far the feet are above the floor, unless the spec says.
@@ -47,7 +47,7 @@ class Fit:
     tree: BodyTree
     angles_rad: Mapping[str, float]
     pitch_rad: float  # Rotation of the hip about y.
-    recline_deg: float  # Of the back from the vertical.
+    recline_deg: float  # Angle of the back from the vertical.
     back_m: float  # Distance of the surface of the back from the hip.
     bottom_m: float = 0.0  # Distance of the surface of the bottom from the hip.
 
@@ -86,7 +86,8 @@ class Fit:
     @property
     def knee_m(self) -> FloatArray:
         """The knee that is least far ahead, shape (3,); without knees, the point as far ahead as the infant reaches."""
-        turn, placed = matrix_from_axis(ACROSS, self.pitch_rad), frames(self.tree, self.angles_rad)
+        turn = matrix_from_axis(ACROSS, self.pitch_rad)
+        placed = frames(self.tree, self.angles_rad)
         knees_m = [turn @ placed[name][0] for name in SHANKS if name in placed]
         return min(knees_m, key=lambda knee: float(knee[0]), default=self.reach_m(self.ahead) * self.ahead)
 
@@ -132,7 +133,9 @@ def fit(tree: BodyTree, recline_deg: float) -> Fit:
 
 def _leg(seated: Fit, side: str) -> dict[str, float]:
     """Return the angles of hip and knee with the thigh along the bottom, and the shank hanging, in [rad]."""
-    hip, knee, thigh = f"robot:{side}_hip1", f"robot:{side}_knee", f"{side}_upper_leg"
+    hip = f"robot:{side}_hip1"
+    knee = f"robot:{side}_knee"
+    thigh = f"{side}_upper_leg"
     joints = seated.tree.joints
     if hip not in joints:
         return {}
@@ -157,8 +160,10 @@ def _direction(elevation_deg: float) -> FloatArray:
 
 def build(spec: SeatSpec, surroundings: Surroundings) -> BuiltObject:
     """Return a seat: back, bottom, a board on either side, and a foot on the floor; the hip is above the origin."""
-    seated, name = fit(surroundings.tree, spec.recline_deg), object_name(spec.name)
-    cloth, wood = finish(name, spec.colour, specular=0.0), finish(f"{name}_wood", WOOD)
+    seated = fit(surroundings.tree, spec.recline_deg)
+    name = object_name(spec.name)
+    cloth = finish(name, spec.colour, specular=0.0)
+    wood = finish(f"{name}_wood", WOOD)
     pieces = list(_boards(name, seated, seated.corner_m + np.array([0.0, 0.0, hip_height(spec, seated)]), cloth, wood))
     rule = "of its back, which leans on trunk and head; all boards are as large as the infant that they touch"
     size: Entry = {"value": pieces[0].sizes[0][1], "unit": "m", "rule": rule, "from": ["child.length_cm"]}

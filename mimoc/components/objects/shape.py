@@ -46,7 +46,7 @@ COLOURS: dict[Material, Vec3] = {
     "cloth": (0.55, 0.62, 0.82),
     "rubber": (0.2, 0.55, 0.35),
 }
-TURNING = (0.005, 0.0005)  # Spinning and rolling friction, as of toys.
+TURNING = (0.005, 0.0005)  # Spinning and rolling friction, the same as of toys.
 WOODEN, STUFFED = 620.0, 150.0
 """Density of mimoc's toys of wood, and the largest of those of cloth, in [kg/m³]; see `sculpt/toys/`."""
 ALONG_X: Quaternion = quaternion_from_axis((0.0, 1.0, 0.0), math.pi / 2)
@@ -62,19 +62,67 @@ class Solid:
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]
     half_m: Vec3  # Half lengths of the box around it, which stands on z = 0.
-    radius_m: float  # Of the vertical cylinder around it.
+    radius_m: float  # Radius of the vertical cylinder around it.
     mass_kg: float
     material: Material
     mass_origin: Entry
     surface_m: tuple[float, float] | None = None  # Half lengths of the level surface on top of it.
     notes: tuple[str, ...] = ()  # What is to be known of its shape.
 
+    @property
+    def half_height_m(self) -> float:
+        """Half the height of the box around it."""
+        return self.half_m[2]
+
+
+def build(spec: ShapeSpec, surroundings: Surroundings) -> BuiltObject:
+    """Return a simple shape, a toy or a mesh.
+
+    Raises:
+        ObjectError: If there is no such toy or mesh, or it cannot be used.
+    """
+    name = object_name(spec.name)
+    try:
+        made = _of_toy(spec, name, surroundings.folder) if spec.toy or spec.mesh else _of_shape(spec, name)
+    except ToyError as error:
+        if spec.mesh:
+            key = "mesh"
+        elif spec.root and error.name is None:
+            key = "root"
+        else:
+            key = "toy"
+        raise ObjectError(key, str(error)) from None
+    if spec.moves == "hanging":
+        root = _hung(name, made, cm_to_m(spec.tether_cm))
+        materials = (*made.materials, WorldMaterial(f"{name}_tether", STRING))
+        surface_m = None
+    else:
+        root = _standing(name, spec, made)
+        materials = made.materials
+        surface_m = made.surface_m
+    return BuiltObject(
+        root=root,
+        materials=materials,
+        motion=spec.moves,
+        material=made.material,
+        radius_m=made.radius_m,
+        height_m=2 * made.half_height_m,
+        size_m=2 * max(made.half_m),
+        mass_kg=made.mass_kg,
+        surface_m=surface_m,
+        meshes=made.meshes,
+        notes=made.notes,
+        origins={"mass": {"value": made.mass_kg, "unit": "kg", **made.mass_origin}},
+    )
+
 
 def _of_shape(spec: ShapeSpec, name: str) -> Solid:
-    shape, size_m = spec.shape or "sphere", _size_m(spec)
+    shape = spec.shape or "sphere"
+    size_m = _size_m(spec)
     half_m = _half_m(shape, size_m)
     half_m = (half_m[2], half_m[1], half_m[0]) if spec.lies else half_m
-    material, volume_m3 = spec.material or "plastic", primitives.volume(shape, size_m)
+    material = spec.material or "plastic"
+    volume_m3 = primitives.volume(shape, size_m)
     mass_kg, origin = _mass(spec, volume_m3, DENSITIES_KG_M3[material], f"of {material}")
     quat = ALONG_X if spec.lies else UPRIGHT
     geom = solid(name, name, shape, size_m, (0.0, 0.0, half_m[2]), mass_kg, quat)
@@ -97,8 +145,8 @@ def _mass(spec: ShapeSpec, volume_m3: float, usual_kg_m3: float, whose: str) -> 
     if spec.mass_g is not None:
         return spec.mass_g / 1000, {"rule": "as the spec gives it", "from": source}
     density = usual_kg_m3 if spec.density_kg_m3 is None else spec.density_kg_m3
-    of = whose if spec.density_kg_m3 is None else "as the spec gives it"
-    rule = f"its volume, {1e6 * volume_m3:.4g} cm3, x density, {density:g} kg/m3 {of}"
+    density_origin = whose if spec.density_kg_m3 is None else "as the spec gives it"
+    rule = f"its volume, {1e6 * volume_m3:.4g} cm3, x density, {density:g} kg/m3 {density_origin}"
     return volume_m3 * density, {"rule": rule, "from": source}
 
 
@@ -106,10 +154,11 @@ def _size_m(spec: ShapeSpec) -> tuple[float, ...]:
     """Return the size of a shape as MuJoCo has it; a capsule is no shorter than a sphere."""
     if spec.source in ("box", "ellipsoid"):
         return tuple(cm_to_m(side) / 2 for side in spec.sides_cm)
-    radius_m, half_m = cm_to_m(spec.radius_cm), cm_to_m(spec.length_cm) / 2
+    radius_m = cm_to_m(spec.radius_cm)
+    half_length_m = cm_to_m(spec.length_cm) / 2
     if spec.source == "sphere":
         return (radius_m,)
-    return radius_m, half_m if spec.source == "cylinder" else max(half_m - radius_m, 0.001)
+    return radius_m, half_length_m if spec.source == "cylinder" else max(half_length_m - radius_m, 0.001)
 
 
 def _half_m(shape: str, size_m: tuple[float, ...]) -> Vec3:
@@ -117,7 +166,10 @@ def _half_m(shape: str, size_m: tuple[float, ...]) -> Vec3:
         x_m, y_m, z_m = size_m
         return x_m, y_m, z_m
     radius_m = size_m[0]
-    return radius_m, radius_m, {"sphere": radius_m, "capsule": size_m[-1] + radius_m}.get(shape, size_m[-1])
+    if shape == "sphere":
+        return radius_m, radius_m, radius_m
+    half_length_m = size_m[-1]
+    return radius_m, radius_m, half_length_m + radius_m if shape == "capsule" else half_length_m
 
 
 def _surface_m(shape: str, half_m: Vec3) -> tuple[float, float] | None:
@@ -127,26 +179,26 @@ def _surface_m(shape: str, half_m: Vec3) -> tuple[float, float] | None:
 
 
 def _of_toy(spec: ShapeSpec, name: str, folder: Path) -> Solid:
-    model, size_m = _model(spec, folder), cm_to_m(spec.size_cm)
-    material = spec.material or _usual(model)
+    model = _model(spec, folder)
+    size_m = cm_to_m(spec.size_cm)
+    material = spec.material or _usual_material(model)
     usual_kg_m3 = DENSITIES_KG_M3[material] if spec.material else model.density_kg_m3
     volume_m3 = model.volume * size_m**3
     mass_kg, origin = _mass(spec, volume_m3, usual_kg_m3, f"of {material}" if spec.material else "of this toy")
-    toy = Toy(
-        replace(model, density_kg_m3=mass_kg / volume_m3), size_m, 0.0, _colours(spec.colour or COLOURS[material])
-    )
+    colours = _colours(spec.colour or COLOURS[material])
+    toy = Toy(replace(model, density_kg_m3=mass_kg / volume_m3), size_m, 0.0, colours)
     pieces = pieces_of(toy, name, name)
     geoms = [replace(geom, friction=(spec.friction, *TURNING)) if geom.contype else geom for geom, _ in pieces]
-    if spec.moves == "hanging":  # From above its centre of mass, so that it hangs straight.
-        x_m, y_m, _ = centre_of_mass(toy, geoms).tolist()
-        geoms = [moved(geom, (-x_m, -y_m, 0.0)) for geom in geoms]
-    reach = np.abs(np.concatenate([part.mesh.vertices for part in model.parts])).max(axis=0) * size_m
-    x_m, y_m, height_m = reach.tolist()
+    if spec.moves == "hanging":  # It hangs from above its centre of mass, so that it hangs straight.
+        centre_x_m, centre_y_m, _ = centre_of_mass(toy, geoms).tolist()
+        geoms = [moved(geom, (-centre_x_m, -centre_y_m, 0.0)) for geom in geoms]
+    vertices = np.concatenate([part.mesh.vertices for part in model.parts])
+    half_x_m, half_y_m, height_m = (np.abs(vertices).max(axis=0) * size_m).tolist()
     return Solid(
         geoms=tuple(geoms),
         materials=materials_of(toy, name),
         meshes=tuple(mesh for _, mesh in pieces if mesh),
-        half_m=(x_m, y_m, height_m / 2),
+        half_m=(half_x_m, half_y_m, height_m / 2),
         radius_m=toy.radius_m,
         mass_kg=mass_kg,
         material=material,
@@ -166,7 +218,7 @@ def _model(spec: ShapeSpec, folder: Path) -> ToyModel:
     return builtin.load_toy(name)
 
 
-def _usual(model: ToyModel) -> Material:
+def _usual_material(model: ToyModel) -> Material:
     if model.density_kg_m3 <= STUFFED:
         return "cloth"
     return "wood" if model.density_kg_m3 == WOODEN else "plastic"
@@ -180,38 +232,7 @@ def _colours(colour: Vec3) -> dict[Tint, Rgba]:
     return {"main": (*colour, 1.0), "accent": (red, green, blue, 1.0), "dark": DARK, "light": LIGHT}
 
 
-def build(spec: ShapeSpec, surroundings: Surroundings) -> BuiltObject:
-    """Return a simple shape, a toy or a mesh.
-
-    Raises:
-        ObjectError: If there is no such toy or mesh, or it cannot be used.
-    """
-    name = object_name(spec.name)
-    try:
-        solid = _of_toy(spec, name, surroundings.folder) if spec.toy or spec.mesh else _of_shape(spec, name)
-    except ToyError as error:
-        key = "mesh" if spec.mesh else "root" if spec.root and error.name is None else "toy"
-        raise ObjectError(key, str(error)) from None
-    hangs, materials = spec.moves == "hanging", solid.materials
-    if hangs:
-        materials = (*materials, WorldMaterial(f"{name}_tether", STRING))
-    return BuiltObject(
-        root=_hung(name, solid, cm_to_m(spec.tether_cm)) if hangs else _standing(name, spec, solid),
-        materials=materials,
-        motion=spec.moves,
-        material=solid.material,
-        radius_m=solid.radius_m,
-        height_m=2 * solid.half_m[2],
-        size_m=2 * max(solid.half_m),
-        mass_kg=solid.mass_kg,
-        surface_m=None if hangs else solid.surface_m,
-        meshes=solid.meshes,
-        notes=solid.notes,
-        origins={"mass": {"value": solid.mass_kg, "unit": "kg", **solid.mass_origin}},
-    )
-
-
-def _standing(name: str, spec: ShapeSpec, solid: Solid) -> ObjectBody:
+def _standing(name: str, spec: ShapeSpec, made: Solid) -> ObjectBody:
     axis = (1.0, 0.0, 0.0) if spec.along == "x" else (0.0, 1.0, 0.0)
     low_cm, high_cm = spec.slide_cm
     slide = ObjectJoint(
@@ -221,27 +242,26 @@ def _standing(name: str, spec: ShapeSpec, solid: Solid) -> ObjectBody:
         axis=axis,
         limited=True,
         range=(cm_to_m(low_cm), cm_to_m(high_cm)),
-        frictionloss=spec.friction * solid.mass_kg * GRAVITY_M_S2,
+        frictionloss=spec.friction * made.mass_kg * GRAVITY_M_S2,
     )
-    middle_m = solid.half_m[2]
     return ObjectBody(
         name,
-        pos_m=(0.0, 0.0, middle_m + (RAIL_M if spec.moves == "sliding" else 0.0)),
+        pos_m=(0.0, 0.0, made.half_height_m + (RAIL_M if spec.moves == "sliding" else 0.0)),
         free_joints=(f"{name}_free",) if spec.moves == "free" else (),
         joints=(slide,) if spec.moves == "sliding" else (),
-        geoms=tuple(moved(geom, (0.0, 0.0, -middle_m)) for geom in solid.geoms),
+        geoms=tuple(moved(geom, (0.0, 0.0, -made.half_height_m)) for geom in made.geoms),
     )
 
 
-def _hung(name: str, solid: Solid, tether_m: float) -> ObjectBody:
-    top_m = 2 * solid.half_m[2] + tether_m
-    damping = pendulum_damping((solid.mass_kg, top_m - solid.half_m[2], max(solid.half_m)))
+def _hung(name: str, made: Solid, tether_m: float) -> ObjectBody:
+    top_m = 2 * made.half_height_m + tether_m
+    damping = pendulum_damping((made.mass_kg, top_m - made.half_height_m, max(made.half_m)))
     return ObjectBody(
         name,
         pos_m=(0.0, 0.0, top_m),
         joints=(ObjectJoint(f"{name}_tether", "ball", damping),),
         geoms=(
-            *(moved(geom, (0.0, 0.0, -top_m)) for geom in solid.geoms),
+            *(moved(geom, (0.0, 0.0, -top_m)) for geom in made.geoms),
             string(f"{name}_tether", f"{name}_tether", tether_m),
         ),
     )

@@ -14,7 +14,8 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.schema.objects import WATER_KG_M3, WaterEntry
 
 VISCOSITY_PA_S = 0.0009
-"""Of water at 25 °C (CRC Handbook of Chemistry and Physics, from memory); at the speed of limbs, it hardly matters."""
+"""Viscosity of water at 25 °C (CRC Handbook of Chemistry and Physics, from memory); at the speed of limbs, it hardly
+matters."""
 COEFFICIENTS = (0.5, 0.25, 1.5, 1.0, 1.0)
 """MuJoCo's defaults (`fluidcoef`): blunt, slender and angular drag, Kutta and Magnus lift."""
 MIN_COEFFICIENT = 1e-99
@@ -76,7 +77,8 @@ class Water(Companion):
         model = self._model
         mujoco.mj_kinematics(model, data)
         self._others_n[:] = data.xfrc_applied
-        turns, centres = data.geom_xmat[self._geoms].reshape(-1, 3, 3), data.geom_xpos[self._geoms]
+        turns = data.geom_xmat[self._geoms].reshape(-1, 3, 3)
+        centres = data.geom_xpos[self._geoms]
         total = np.zeros(len(self._geoms))
         for body, low, high, volumes in self._waters:
             share, places = self._immersed(turns, centres, data, body, low, high)
@@ -124,7 +126,8 @@ def _corners(water: WaterEntry) -> tuple[FloatArray, FloatArray]:
 
 def _half_axes(model: mujoco.MjModel, geom: int) -> FloatArray:
     """Return the half axes of the ellipsoid that MuJoCo's fluid takes a geom for, shape (3,), [m]."""
-    size, kind = model.geom_size[geom], PRIMITIVES.get(int(model.geom_type[geom]))
+    size = model.geom_size[geom]
+    kind = PRIMITIVES.get(int(model.geom_type[geom]))
     if kind == "sphere":
         return np.repeat(size[0], 3)
     if kind in ("capsule", "cylinder"):

@@ -49,7 +49,7 @@ class Crib:
     """A crib around the origin, its length along x, the top of its mattress at z = 0."""
 
     inner_m: tuple[float, float]  # Length and width inside.
-    rail_height_m: float  # Of the middle of the rail, above the mattress.
+    rail_height_m: float  # Height of the middle of the rail above the mattress.
     furniture: Furniture
 
 

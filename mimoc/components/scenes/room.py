@@ -28,8 +28,8 @@ Range = tuple[float, float]
 QUADS = 16  # Facets along a side: MuJoCo computes light at their corners only.
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 PICTURE_COUNT = (2, 4)  # Never two on one wall.
-EYE_HEIGHT_M = (1.2, 1.6)  # Of the middle of a picture.
-MARGIN_M = 0.1  # Of free wall around a picture.
+EYE_HEIGHT_M = (1.2, 1.6)  # Lowest and greatest height of the middle of a picture.
+MARGIN_M = 0.1  # Width of the free wall around a picture.
 OFF_THE_WALL_M = 0.012  # Gap behind pictures, and above lamps, so that nothing shows through, even from 20 m away.
 
 LAMP_COUNT = (1, 2)
@@ -69,7 +69,8 @@ def sides(depth: float, width: float, height: float) -> tuple[Side, ...]:
 def plane(side: Side) -> WorldGeom:
     """Return the geom of a side; of these, only the floor touches by contact bits."""
     across, up = side.extent_m
-    size_m, is_barrier = (across / 2, up / 2, max(across, up) / QUADS), side.name != "floor"
+    size_m = (across / 2, up / 2, max(across, up) / QUADS)
+    is_barrier = side.name != "floor"
     geom = WorldGeom(side.name, "plane", size_m, side.pos_m, side.euler_rad, side.name, barrier=is_barrier)
     return untouched(geom) if is_barrier else geom
 
@@ -90,7 +91,8 @@ def hang_pictures(
     order = shuffled(generator, pictures)
     for number, wall in enumerate(shuffled(generator, walls)[:count]):
         picture = order[number % len(order)]
-        sideways, eye_height_m = between(generator, -1, 1), between(generator, *EYE_HEIGHT_M)
+        sideways = between(generator, -1, 1)
+        eye_height_m = between(generator, *EYE_HEIGHT_M)
         # A picture on a wall, smaller or lower than drawn where it would not fit.
         name = f"picture_{number + 1}"
         room = [extent - 2 * MARGIN_M for extent in wall.extent_m]
@@ -122,7 +124,8 @@ def _trace_room(size_m: Vec3, furniture: Furniture, start: Placement) -> Iterato
 
 
 def _trace_side(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, Entry]]:
-    sources, at = ["room.size"], f"scene.xml: geom[@name='{geom.name}']"
+    sources = ["room.size"]
+    at = f"scene.xml: geom[@name='{geom.name}']"
     size = {"value": geom.size_m[:2], "unit": "m", "rule": "half of the room's sides", "from": sources}
     yield f"room.{geom.name}.size", {**size, "xml": f"{at}/@size"}
     place = {"value": geom.pos_m, "unit": "m", "rule": "the room is around the origin", "from": sources}
@@ -133,7 +136,8 @@ def _trace_side(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, 
 
 def _trace_hung(geom: WorldGeom, papers: dict[str, str]) -> Iterator[tuple[str, Entry]]:
     is_picture = geom.material in papers
-    aspect, at = "room.pictures" if is_picture else "room.light", f"scene.xml: geom[@name='{geom.name}']"
+    aspect = "room.pictures" if is_picture else "room.light"
+    at = f"scene.xml: geom[@name='{geom.name}']"
     rule = drawn_rule("on a wall of its own, at eye height" if is_picture else "in a row on the ceiling", aspect)
     place = {"value": geom.pos_m, "unit": "m", "rule": rule, "from": [SEED, "room.size"], "xml": f"{at}/@pos"}
     yield f"room.{geom.name}.pos", place
@@ -149,7 +153,8 @@ def hang_lamps(
 ) -> tuple[tuple[WorldGeom, ...], tuple[SpotLight, ...]]:
     """Return lamps on the ceiling, in a row along the longer side, and their light."""
     count = whole_between(generator, *LAMP_COUNT)
-    warmth, brightness = generator.random(), between(generator, 0.85, 1.0)
+    warmth = generator.random()
+    brightness = between(generator, 0.85, 1.0)
     sideways, along = (between(generator, -0.1, 0.1) for _ in range(2))
     red, green, blue = (
         brightness * LAMP_LIGHT / count * (warmth * warm + (1 - warmth) * cool)
@@ -166,7 +171,8 @@ def hang_lamps(
 
 def _lamp(number: int, ceiling_m: Vec3) -> WorldGeom:
     x, y, height = ceiling_m
-    size_m, z = (LAMP_RADIUS_M, LAMP_HALF_HEIGHT_M), height - OFF_THE_WALL_M - LAMP_HALF_HEIGHT_M
+    size_m = (LAMP_RADIUS_M, LAMP_HALF_HEIGHT_M)
+    z = height - OFF_THE_WALL_M - LAMP_HALF_HEIGHT_M
     return untouched(WorldGeom(f"lamp_{number}", "cylinder", size_m, (x, y, z), (0.0, 0.0, 0.0), SHADE.name))
 
 

@@ -48,7 +48,8 @@ class NormalEquations:
         """Return an empty system."""
         bands = np.zeros(((frames + 2) * unknowns, 2 * unknowns + 1))
         bands[frames * unknowns :, 0] = 1.0
-        g, border = np.zeros((frames, unknowns)), np.zeros((frames, unknowns, shared))
+        g = np.zeros((frames, unknowns))
+        border = np.zeros((frames, unknowns, shared))
         return cls(bands, g, border, np.zeros((shared, shared)), np.zeros(shared))
 
     def add_blocks(self, start: int, blocks: FloatArray) -> None:
@@ -275,7 +276,10 @@ def solve(
             system, _ = problem.equations(state, outlier)
         else:
             gain = least - cost if outlier == last else np.inf
-            best, least, damping, last = state, cost, max(damping / 4, 1e-6), outlier
+            best = state
+            least = cost
+            damping = max(damping / 4, 1e-6)
+            last = outlier
             keep(state)
             if gain < SLOW * abs(cost) and outlier > last_outlier:
                 outlier = max(last_outlier, SHRINK * outlier)

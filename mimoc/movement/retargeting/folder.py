@@ -17,12 +17,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import MimocError, OutputError
-from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import check_place, staged_folder, write_file
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
@@ -32,131 +30,10 @@ from mimoc.compiler.provenance import SCALE_NOT_KNOWN, SPEC_FILE
 from mimoc.motion import read_npz
 from mimoc.motion.joint_motion import MOTION, JointMotion, motion_of, pack_motion, read_motion
 from mimoc.motion.point_recording import PointRecording, ReadOptions
+from mimoc.movement.retargeting.puppet import record_motion
 from mimoc.movement.retargeting.result import Retargeted
 from mimoc.recording.description import RECORDING
 from mimoc.recording.folder import read_infant
-from mimoc.recording.recorder import Recording
-from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.sense import FloatArray
-from mimoc.runtime.simulation import STATE, physics_of, set_physics
-
-CORRECTIONS, CLOSE = 6, 2e-3
-"""Most corrections of the forces of a control step, and the error, [rad] or [m], below which none is needed."""
-
-STRENGTHS, WEIGHTS = 1.0, 2.0
-"""Most that is added against contacts: torque of a joint, in peak torques of its actuators, and force at the root, in
-body weights. With more, parts that a motion has within each other are pressed together without measure."""
-LEVER_M = 0.1  # By which that force is taken for the largest torque at the root, and of joints without actuators.
-
-
-def record_motion(
-    bundle: Bundle, motion: JointMotion, folder: Path, progress: Callable[[int, int], None] = lambda done, total: None
-) -> None:
-    """Record a motion in a new or empty folder, with the infant where the motion has it at each control step.
-
-    In the control step in between, forces and torques that inverse dynamics gives are applied to its joints and root,
-    so that it moves on as the motion does. Parts of the body that overlap or are in the ground push each other apart
-    meanwhile, as far as its strength does not keep them there; touch is then not realistic.
-
-    Raises a MimocError if the infant lacks a joint of it or its task ends before it, and a RecordingError or
-    RenderingError.
-    """
-    env = InfantEnv(bundle)
-    try:
-        puppet = _Puppet(env, motion)
-        env.reset(seed=0)
-        puppet.put(0)
-        env.schedule.reset(env.data)  # What is on its way to the brain is of the first frame.
-        at_rest = np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
-        with Recording([env], folder):
-            for step in range(puppet.steps):
-                puppet.put(step)
-                _, _, terminated, truncated, _ = env.step(at_rest)
-                if (terminated or truncated) and step + 1 < puppet.steps:
-                    raise MimocError(
-                        "the task of this child ends its episodes before the motion does; take the key task out of the"
-                        " spec"
-                    )
-                progress(step + 1, puppet.steps)
-    finally:
-        env.close()
-
-
-def _limits(env: InfantEnv) -> FloatArray:
-    model, actuation = env.model, env.actuation
-    weight_n = -float(model.opt.gravity[2]) * float(model.body_subtreemass[model.body(env.manifest.root_body).id])
-    limits = np.full(model.nv, WEIGHTS * weight_n * LEVER_M)
-    limits[model.jnt_dofadr[model.actuator_trnid[actuation.actuators, 0]]] = 0.0
-    for actuator, torques_nm in zip(actuation.actuators, actuation.limits_nm, strict=True):
-        speed = model.jnt_dofadr[model.actuator_trnid[actuator, 0]]
-        limits[speed] = max(limits[speed], STRENGTHS * float(np.abs(torques_nm).max()))
-    for joint in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
-        limits[model.jnt_dofadr[joint] : model.jnt_dofadr[joint] + 3] = WEIGHTS * weight_n
-    return limits
-
-
-class _Puppet:
-    """Puts an infant where a motion has it."""
-
-    def __init__(self, env: InfantEnv, motion: JointMotion):
-        step_s = ms_to_s(env.manifest.step_ms)
-        self._env, (self._angles, self._speeds) = env, motion.places(env.model)
-        self.steps = int(motion.seconds / step_s + 1e-6)
-        """Control steps of the motion."""
-        self._states = motion.at(step_s * np.arange(self.steps + 1))
-        self._model = env.model.__copy__()
-        self._model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_INVDISCRETE)
-        self._limits = _limits(env)[self._speeds]
-        self._data, self._period = mujoco.MjData(self._model), round(step_s / env.model.opt.timestep)
-
-    def put(self, step: int) -> None:
-        """Put it where it is after some control steps, with the forces that move it on."""
-        data = self._env.data
-        data.qpos[self._angles], data.qvel[self._speeds] = self._states.qpos[step], self._states.qvel[step]
-        data.act[:], data.qfrc_applied[:] = 0.0, 0.0
-        data.qfrc_applied[self._speeds] = self._forces(step)
-        set_physics(self._env.model, data, physics_of(self._env.model, data))
-
-    def _forces(self, step: int) -> FloatArray:
-        """Return the forces, constant over a control step, that bring it closest to where it is to be then.
-
-        Those of inverse dynamics are exact for the first physics step; where contacts change, they are corrected.
-        """
-        model, data, speeds = self._model, self._data, self._speeds
-        state = np.empty(mujoco.mj_stateSize(model, STATE))
-        mujoco.mj_getState(self._env.model, self._env.data, state, STATE)
-        mujoco.mj_setState(model, data, state, STATE)
-        data.ctrl[:] = 0.0
-        mujoco.mj_forward(model, data)
-        data.qacc[speeds] = self._states.qacc[step]
-        mujoco.mj_inverse(model, data)
-        forces = (data.qfrc_inverse - data.qfrc_actuator)[speeds]
-        free = forces + data.qfrc_constraint[speeds]  # As if nothing touched.
-        best, smallest = free, np.inf
-        for _ in range(CORRECTIONS):
-            forces = free + np.clip(forces - free, -self._limits, self._limits)
-            errors = self._errors(state, forces, min(step + 1, self.steps))
-            if (size := float(np.abs(errors).max())) < smallest:
-                best, smallest = forces, size
-            if size < CLOSE:
-                break
-            correction = np.zeros(model.nv)
-            mujoco.mj_mulM(model, data, correction, errors)
-            forces = forces + correction[speeds] / (model.opt.timestep**2 * self._period * (self._period + 1) / 2)
-        return best
-
-    def _errors(self, state: FloatArray, forces: FloatArray, step: int) -> FloatArray:
-        """Return what is missing to where it is to be after a control step with forces, shape (nv,)."""
-        model, data, errors = self._model, self._data, np.zeros(self._model.nv)
-        mujoco.mj_setState(model, data, state, STATE)
-        data.ctrl[:], data.qfrc_applied[:] = 0.0, 0.0
-        data.qfrc_applied[self._speeds] = forces
-        mujoco.mj_step(model, data, self._period)
-        wanted = data.qpos.copy()
-        wanted[self._angles] = self._states.qpos[step]
-        mujoco.mj_differentiatePos(model, errors, 1.0, data.qpos, wanted)
-        return errors
-
 
 CHILD, POINTS, FITTED, ACCOUNT, README = "child.yaml", "points.npz", "fitted.npz", "account.json", "README.md"
 Progress = Callable[[int, int], None]
@@ -170,10 +47,11 @@ class RetargetedFolder:
     path: Path
     bundle: Bundle
     motion: JointMotion
-    """Its motion, at the frames of the recording."""
+    """The child's motion, at the frames of the recording."""
     recording: PointRecording
+    """The points as recorded."""
     fitted: PointRecording
-    """Where those of the child are; NaN for points that it does not have."""
+    """The same points on the child; NaN for those that it does not have."""
     account: Mapping[str, Any]
     """How far the motion can be trusted, as `Account.to_data` gives it."""
 
@@ -192,7 +70,7 @@ def write_retargeted(
 
     Raises:
         OutputError: If the folder holds anything else, or cannot be written.
-        MimocError: If the motion cannot be recorded; see `mimoc.movement.retargeting.folder`.
+        MimocError: If the child's task ends before the motion does, or the motion cannot be recorded.
         RenderingError: If the child has vision, and there is no OpenGL here.
 
     Example:
@@ -204,7 +82,8 @@ def write_retargeted(
     """
     target = check_writable(out, force)
     with staged_folder(target, force=force) as staging:
-        bundle, recording = retargeted.bundle, retargeted.recording
+        bundle = retargeted.bundle
+        recording = retargeted.recording
         motion = motion_of(load_model(bundle), bundle.manifest.root_body, retargeted.qpos, retargeted.rate_hz)
         record_motion(bundle, motion, staging, progress)
         write_file(staging / CHILD, bundle.files[SPEC_FILE])
@@ -223,9 +102,8 @@ def altered(retargeted: Retargeted, senses: Sequence[str] | None, actuation: str
     """Return a motion's child with other senses or actuation model, None for the same, or raise a SpecError."""
     changes: dict[str, Any] = {}
     if senses is not None:
-        changes["senses"] = {name: {} for name in senses} | {
-            name: None for name in type(retargeted.spec.senses).model_fields if name not in senses
-        }
+        all_senses = type(retargeted.spec.senses).model_fields
+        changes["senses"] = {name: {} for name in senses} | {name: None for name in all_senses if name not in senses}
     if actuation is not None:
         changes["actuation"] = {"model": actuation}
     if not changes:
@@ -262,7 +140,7 @@ def read_retargeted(folder: str | Path) -> RetargetedFolder:
     """Read the folder of a retargeted recording.
 
     Raises:
-        MimocError: If it is none, or it is damaged.
+        MimocError: If the folder is no retargeted recording, or is damaged.
 
     Example:
         >>> import mimoc

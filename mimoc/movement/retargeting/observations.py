@@ -56,9 +56,11 @@ class Observed:
         depth_m = depth_weight = None
         if recording.unit == "px" and recording.depth_m is not None:
             known = np.isfinite(recording.depth_m)
-            depth_m, depth_weight = np.where(known, recording.depth_m, 0.0), np.where(known, weight, 0.0)
+            depth_m = np.where(known, recording.depth_m, 0.0)
+            depth_weight = np.where(known, weight, 0.0)
         places = np.where(seen[..., None], recording.positions, 0.0)
-        camera, turn = recording.camera or MINI_RGBD_CAMERA, camera_from_world(pitch_deg)
+        camera = recording.camera or MINI_RGBD_CAMERA
+        turn = camera_from_world(pitch_deg)
         return cls(places, weight, depth_m, depth_weight, camera, noise, depth_noise_m, turn)
 
     @property
@@ -85,7 +87,8 @@ class Observed:
             height_m: The height h.
         """
         k = self.places.shape[1]
-        points, sizes = pose.points_m[:, :, :k, 0], pose.points_m[:, :, :k, 1:]
+        points = pose.points_m[:, :, :k, 0]
+        sizes = pose.points_m[:, :, :k, 1:]
         if self.in_space:
             yield self._places_in_space(part, points, sizes, jacobian, height_m)
             return

@@ -78,7 +78,7 @@ _USUAL = {
     "hip3": Usual(np.radians(22)),
 }
 """Spread by what the name of a hinge contains (D: of movements of simulated infants, and of the fits named above)."""
-ROOT_PLACE, ROOT_TURN = Usual(0.2, 0.02, 0.5), Usual(np.radians(20), 0.03, 0.6)  # Of the root.
+ROOT_PLACE, ROOT_TURN = Usual(0.2, 0.02, 0.5), Usual(np.radians(20), 0.03, 0.6)  # What is usual of the root.
 
 
 def usual_of(hinges: Hinges) -> list[Usual]:
@@ -101,11 +101,13 @@ def posture(model: mujoco.MjModel, hinges: Hinges, rest: FloatArray) -> FloatArr
 
 def limits(model: mujoco.MjModel, hinges: Hinges) -> tuple[FloatArray, FloatArray]:
     """Return the least and largest angle of each unknown, shape (u,): the tightest of the hinges that it turns."""
-    low, high = np.full(len(hinges.names), -np.inf), np.full(len(hinges.names), np.inf)
+    low = np.full(len(hinges.names), -np.inf)
+    high = np.full(len(hinges.names), np.inf)
     for joint, column, factor in zip(hinges.ids, hinges.column, hinges.factor, strict=True):
         if model.jnt_limited[joint]:
             ends = np.sort(model.jnt_range[joint] / factor)
-            low[column], high[column] = max(low[column], ends[0]), min(high[column], ends[1])
+            low[column] = max(low[column], ends[0])
+            high[column] = min(high[column], ends[1])
     return low, high
 
 

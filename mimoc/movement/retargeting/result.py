@@ -36,21 +36,21 @@ class Account:
     """How well a motion fits its recording, and what the recording cannot tell."""
 
     unit: str
-    """Of errors of reprojection: `px`, or `m` for points in space."""
+    """Unit of errors of reprojection: `px`, or `m` for points in space."""
     error_median: float
     """Median distance of the points of the model from those recorded, over points and frames."""
     error_p95: float
-    """Its 95th percentile."""
+    """95th percentile of the same distances."""
     trunk: float
     """Length from the neck to the middle of the hips, as recorded, in the same unit."""
     error_of_trunk: Mapping[str, float]
-    """Median distance by point, as a share of the trunk."""
+    """Median distance by point, as a share of `trunk`; `error_share` is that of all points."""
     depth_error_m: float | None
     """Median distance in depth; None if the recording has none."""
     noise: float
     """Estimated standard deviation of a recorded coordinate, in the unit."""
     depth_noise_m: float | None
-    """The same of depth; None if the recording has none."""
+    """Estimated standard deviation of a recorded depth; None if the recording has none."""
     size_is_known: bool
     """Whether depth, points in space or the camera's height give absolute size; otherwise the average child of the
     age is assumed, and only proportions come from the recording."""
@@ -80,7 +80,7 @@ class Account:
 
     @property
     def error_share(self) -> float:
-        """Median error as a share of the trunk."""
+        """Median error as a share of `trunk`, which `to_data` calls `error_median_of_trunk`."""
         return self.error_median / self.trunk
 
     @property

@@ -11,7 +11,7 @@ from mimoc.motion.point_recording import FloatArray, PointRecording
 from mimoc.movement.retargeting import prior
 from mimoc.movement.retargeting.fitting import BoolArray, Problem, State
 from mimoc.movement.retargeting.observations import Observed, camera_from_world
-from mimoc.movement.retargeting.postures import likely_postures
+from mimoc.movement.retargeting.postures import AngleBounds, Scale, likely_postures
 from mimoc.movement.retargeting.sizes import (
     LENGTH_SD,
     OVERALL_SD,
@@ -68,10 +68,10 @@ class Noise:
     """Standard deviations of a recording."""
 
     places: float
-    """In its unit."""
+    """Noise of places, in the unit of the recording."""
     depth_m: float
     least: float
-    """Of places at least."""
+    """Least noise of places."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Setting:
 
     @property
     def every(self) -> int:
-        """Of how many frames the first fit takes one."""
+        """Step, in frames, between those that the first fit takes."""
         return int(max(1, min(self.recording.rate_hz // THIN_HZ, self.recording.frames // FEWEST_THIN)))
 
     @property
@@ -175,14 +175,17 @@ def setting_of(
         for deg in dict.fromkeys((pitch.deg.value, pitch.deg.low, pitch.deg.high))
     )
     heights = [1.0, *(other.height_m / start.height_m for other in others)]
-    ends, logs = (min(heights), max(heights)), np.zeros(1 + len(sizes))
+    ends = (min(heights), max(heights))
+    logs = np.zeros(1 + len(sizes))
     length_cm = child.bundle.manifest.child.length_cm if gives_length(child.spec) else None
     return Setting(recording, child, hinges, rest, sizes, shape, start, height_m, pitch, ends, logs, length_cm)
 
 
 def problem_of(setting: Setting, recording: PointRecording, noise: Noise) -> Problem:
     """Return the problem of fitting some frames of a setting's recording."""
-    model, hinges, start = setting.child.model, setting.hinges, setting.start
+    model = setting.child.model
+    hinges = setting.hinges
+    start = setting.start
     spheres = spheres_of(model)
     points = _points(model, recording.names)
     pose = setting.rest if start.turned[2, 0] > 0 else model.key("prone").qpos
@@ -218,8 +221,8 @@ def first_state(setting: Setting, problem: Problem) -> State:
     x, start = problem.mean.copy(), setting.start
     x[:, :ROOT] = start.root[:: setting.every]
     sd = np.array([usual.sd for usual in prior.usual_of(setting.hinges)[ROOT:]])
-    scale = setting.recording.trunk, start.height_m, problem.rate_hz
-    bounds = sd, problem.low, problem.high
+    scale = Scale(setting.recording.trunk, start.height_m, problem.rate_hz)
+    bounds = AngleBounds(sd, problem.low, problem.high)
     x = likely_postures(problem.skeleton, problem.shape, problem.observed, x, bounds, scale)
     return State(x, start.height_m, np.zeros(1 + len(setting.sizes)))
 

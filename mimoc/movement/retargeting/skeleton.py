@@ -39,8 +39,8 @@ class Pose:
     """Where points are at f frames; components come first."""
 
     points_m: FloatArray  # Shape (3, f, k, 1 + s): in the world, and derivatives by sizes.
-    anchors_m: FloatArray  # Of the hinges, shape (3, f, j).
-    axes: FloatArray  # Of the hinges, shape (3, f, j).
+    anchors_m: FloatArray  # Anchors of the hinges, shape (3, f, j).
+    axes: FloatArray  # Axes of the hinges, shape (3, f, j).
     root_m: FloatArray  # Shape (3, f).
     turning: FloatArray  # Left Jacobian of the root's rotation vector, shape (3, 3, f): frames last.
 
@@ -87,7 +87,8 @@ class Skeleton:
                 q = angle.get(joint, np.array([self.rest[model.jnt_qposadr[joint]]]))
                 at = at + turn @ shape.anchors_m[joint]
                 if joint in row:
-                    anchors[row[joint]], axes[row[joint]] = at[..., 0], turn @ model.jnt_axis[joint]
+                    anchors[row[joint]] = at[..., 0]
+                    axes[row[joint]] = turn @ model.jnt_axis[joint]
                 turn = turn @ about(model.jnt_axis[joint], q - model.qpos0[model.jnt_qposadr[joint]])
                 at = at - turn @ shape.anchors_m[joint]
             turned[body], origin[body] = turn, at
@@ -175,7 +176,8 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
 def about(axis: FloatArray, angle: FloatArray) -> FloatArray:
     """Return rotation matrices about an axis by f angles (Rodrigues), shape (f, 3, 3)."""
     generator = skew(axis)
-    sine, versine = np.sin(angle)[:, None, None], (1 - np.cos(angle))[:, None, None]
+    sine = np.sin(angle)[:, None, None]
+    versine = (1 - np.cos(angle))[:, None, None]
     return np.eye(3) + sine * generator + versine * (generator @ generator)
 
 
@@ -188,7 +190,8 @@ def exponential(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
     angle = np.maximum(np.linalg.norm(vectors, axis=1), 1e-8)[:, None, None]
     generator = skew(vectors)
     square = generator @ generator
-    first, second = np.sin(angle) / angle, 2 * (np.sin(angle / 2) / angle) ** 2
+    first = np.sin(angle) / angle
+    second = 2 * (np.sin(angle / 2) / angle) ** 2
     third = np.where(angle < 1e-2, 1 / 6 - angle**2 / 120, (angle - np.sin(angle)) / angle**3)
     return np.eye(3) + first * generator + second * square, np.eye(3) + second * generator + third * square
 
@@ -230,7 +233,8 @@ def hinges_of(model: mujoco.MjModel, points: Sequence[BodyPoint]) -> Hinges:
 
     The lumbar hinges of two bodies that MIMo couples by tendons of (nearly) fixed length turn by one unknown.
     """
-    bodies, followers = carrying(model, [point.body for point in points]), _followers(model)
+    bodies = carrying(model, [point.body for point in points])
+    followers = _followers(model)
     names, ids, columns, factors = [], [], [], []
     for joint in range(1, model.njnt):
         name = model.joint(joint).name

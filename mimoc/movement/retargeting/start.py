@@ -69,7 +69,8 @@ def _of_pixels(
     neck, hips = resting_m[0], resting_m[1:].mean(axis=0)
     ground, names = on_ground(recording, turn), recording.names
     place = {name: ground[:, names.index(name)] for name in (*TRUNK, *({*SHOULDERS} & {*names}))}
-    a, b = place["neck"], (place["left_hip"] + place["right_hip"]) / 2
+    a = place["neck"]
+    b = (place["left_hip"] + place["right_hip"]) / 2
     if height_m is None:
         trunk = np.nanpercentile(np.linalg.norm(a - b, axis=1), 75)
         height_m = float(np.linalg.norm((neck - hips)[:2]) / trunk + neck[2])
@@ -79,7 +80,9 @@ def _of_pixels(
         # The infant is turned about the long axis of its trunk to its front.
         axis = (neck - hips) * [1.0, 1.0, 0.0]
         half = exponential(np.pi * (axis / np.linalg.norm(axis))[None])[0][0]
-        turned, neck, hips = half @ turned, root_m + half @ (neck - root_m), root_m + half @ (hips - root_m)
+        turned = half @ turned
+        neck = root_m + half @ (neck - root_m)
+        hips = root_m + half @ (hips - root_m)
     yaw = np.unwrap(np.arctan2(*(a - b).T[::-1])) - np.arctan2(*(neck - hips)[1::-1])
     mean = float(np.median(yaw))
     root = np.zeros((len(a), 6))
@@ -363,7 +366,8 @@ def _distance(ground: FloatArray, lying_m: FloatArray) -> float:
     if not np.isfinite(ground).all():
         return np.inf
     seen, lying = ground @ [1, 1j], lying_m[:, :2] @ [1, 1j]
-    seen, lying = seen - seen.mean(axis=1, keepdims=True), lying - lying.mean()
+    seen = seen - seen.mean(axis=1, keepdims=True)
+    lying = lying - lying.mean()
     distances = []
     for side in (seen, seen.conj()):  # On its back, and on its belly.
         factor = (side.conj() * lying).sum(axis=1) / (np.abs(side) ** 2).sum(axis=1)

@@ -10,7 +10,7 @@ from mimoc.motion.point_recording import FloatArray
 from mimoc.movement.retargeting import prior
 from mimoc.movement.retargeting.fitting import CHUNK, BoolArray, Factored, Problem, State
 from mimoc.movement.retargeting.observations import OUTLIER
-from mimoc.movement.retargeting.postures import spread_of_alike
+from mimoc.movement.retargeting.postures import AngleBounds, Scale, spread_of_alike
 from mimoc.movement.retargeting.prior import usual_of
 from mimoc.movement.retargeting.result import QUANTILE, Account, Interval
 from mimoc.movement.retargeting.setting import Setting, points_of
@@ -23,12 +23,12 @@ DIFFERENCE = 1e-3
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Of a fit to t frames and k points, with u hinges."""
+    """How uncertain a fit to t frames and k points is, with u hinges."""
 
     noise: tuple[float, ...]  # Estimated noise of each channel, relative to what was assumed: of places, then of depth.
     angle_sd_rad: FloatArray  # Shape (t, u).
-    depth_sd_m: FloatArray  # Of heights above the floor, shape (t, k).
-    shared_covariance: FloatArray  # Of the height and the logarithms of sizes, shape (1 + s, 1 + s).
+    depth_sd_m: FloatArray  # Standard deviations of heights above the floor, shape (t, k).
+    shared_covariance: FloatArray  # Covariance of the height and the logarithms of sizes, shape (1 + s, 1 + s).
 
 
 def uncertainty_of(problem: Problem, state: State) -> Uncertainty:
@@ -82,7 +82,7 @@ def pull_of(problem: Problem, state: State, every: int = 1) -> FloatArray:
     Args:
         problem: What is fitted.
         state: Where the gradient is wanted.
-        every: Of how many frames one is taken, for the rest.
+        every: Step, in frames, between those that are taken; each stands for a whole step.
     """
     system, _ = problem.equations(state, OUTLIER)
     blocks = [block for frame, block in system.factored().blocks() if frame % every == 0]
@@ -203,7 +203,8 @@ def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncert
     overall size, if nothing tells it, and that of the bodies of children, times a calibrated factor: one camera tells
     next to nothing of lengths.
     """
-    trunk, boundless = setting.recording.trunk, np.full_like(problem.low, np.inf)
+    trunk = setting.recording.trunk
+    boundless = np.full_like(problem.low, np.inf)
     observed = replace(problem.observed, noise=float(np.hypot(problem.observed.noise, MODEL_OF_TRUNK * trunk)))
     loose = uncertainty_of(
         replace(
@@ -222,8 +223,8 @@ def of_one_camera(setting: Setting, problem: Problem, state: State, sure: Uncert
         at_sizes(problem.shape, state.logs),
         problem.observed,
         state.x,
-        (spread, problem.low, problem.high),
-        (trunk, state.height_m, problem.rate_hz),
+        AngleBounds(spread, problem.low, problem.high),
+        Scale(trunk, state.height_m, problem.rate_hz),
         problem.mean[0, ROOT:],
     )
     lying, turned = factors(setting.hinges.names)
@@ -273,7 +274,8 @@ def account_of(
     by_point = {n: float(np.median(distance[seen[:, k], k])) for k, n in enumerate(names) if seen[:, k].any()}
     joints = tuple(setting.child.model.joint(int(joint)).name for joint in hinges.ids)
     wide = sure if problem.observed.tells_size else of_one_camera(setting, problem, state, sure)
-    half_m, factors = QUANTILE * float(np.sqrt(wide.shared_covariance[0, 0])), setting.height_factors
+    half_m = QUANTILE * float(np.sqrt(wide.shared_covariance[0, 0]))
+    factors = setting.height_factors
     ends_m = (state.height_m - half_m) * factors[0], (state.height_m + half_m) * factors[1]
     unseen = _unseen(setting, wide, joints)
     if unseen:
@@ -316,7 +318,8 @@ def _depth_error(problem: Problem, state: State) -> float | None:
 
 def _lengths(setting: Setting, sure: Uncertainty) -> dict[str, Interval]:
     """Return the lengths of the child; the logarithm of each is that of overall size and its own together."""
-    lengths, covariance = lengths_of(setting.child.model), sure.shared_covariance[1:, 1:]
+    lengths = lengths_of(setting.child.model)
+    covariance = sure.shared_covariance[1:, 1:]
     result = {}
     for index, size in enumerate(setting.sizes, start=1):
         row = np.zeros(len(covariance))

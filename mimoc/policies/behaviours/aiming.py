@@ -259,7 +259,10 @@ class Reach(Behaviour):
     """Brings the palm of a hand to a target: of several hands, that which is nearest when an episode begins."""
 
     def __init__(self, subject: Subject, target: Target, arms: Sequence[Arm], speed_m_s: float):
-        self._model, self._named, self._arms, self._speed_m_s = subject.infant.model, target, arms, speed_m_s
+        self._model = subject.infant.model
+        self._named = target
+        self._arms = arms
+        self._speed_m_s = speed_m_s
         self._subject = subject
 
     def begin(self, data: mujoco.MjData) -> None:
@@ -268,7 +271,8 @@ class Reach(Behaviour):
         ways_m = [target.place_m(data) - arm.palm_m(data) for target, arm in zip(targets, self._arms, strict=True)]
         nearest = int(np.argmin(np.linalg.norm(ways_m, axis=1)))
         self._target, self._arm = targets[nearest], self._arms[nearest]
-        self.joints, self.may_touch = self._arm.aim.joints, self._arm.parts
+        self.joints = self._arm.aim.joints
+        self.may_touch = self._arm.parts
         self._rest_rad = data.qpos[self._arm.aim.infant.angles[self.joints]].copy()
         self._reached_s, self._closest_m = None, np.inf
         self._noticed = NoticedTarget(self._target, reaction_of(self._subject.manifest, "reach"), self._subject.chance)
@@ -313,7 +317,8 @@ def bind_reach(subject: Subject, text: str) -> Reach:
     given = read_arguments("reach_for", text, REACH_OPTIONS, most_words=2)
     if not given.words:
         raise PolicyError("'reach_for' needs a target: write reach_for:toy or reach_for:toy,right")
-    target, sides = find_target(subject, "reach_for", given.words[0]), given.words[1:]
+    target = find_target(subject, "reach_for", given.words[0])
+    sides = given.words[1:]
     for side in sides:
         check_name("hand that can reach", side, SIDES)
     arms = [arm for arm in _arms(subject) if not sides or arm.side in sides]

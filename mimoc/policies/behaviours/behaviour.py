@@ -42,7 +42,8 @@ class Arguments:
 
 def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0) -> Arguments:
     """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError."""
-    words, numbers = list[str](), {name: option.default for name, option in options.items()}
+    words = list[str]()
+    numbers = {name: option.default for name, option in options.items()}
     pieces = SEPARATOR.split(BARE_PLACE.sub(r"(\1)", text))
     for piece in (piece.strip() for piece in pieces if piece.strip()):
         name, sign, value = map(str.strip, piece.partition("="))
@@ -167,7 +168,8 @@ class Subject:
 
     def moved_by(self, groups: tuple[str, ...]) -> IntArray:
         """Return which driven hinges belong to some groups of muscles, shape (m,), as indices among all n."""
-        model, in_groups = self.infant.model, self.manifest.anatomy.groups
+        model = self.infant.model
+        in_groups = self.manifest.anatomy.groups
         wanted = {model.joint(name).id for group in groups for name in in_groups.get(group, ())}
         return np.flatnonzero(np.isin(self.infant.joints, list(wanted))).astype(np.intp)
 

@@ -44,8 +44,10 @@ class Kick(Behaviour):
     def __init__(self, subject: Subject, sides: tuple[str, ...], rate_per_min: float, hip_deg: float):
         infant, self._sides = subject.infant, sides
         self.start = start = infant.placed(PITCH_DEG, RESTING_DEG)
-        self.joints, self.loose = np.arange(len(infant.joints)), subject.moved_by(LEGS)
-        self._rest_rad, names = start.qpos[infant.angles].copy(), infant.joint_names
+        self.joints = np.arange(len(infant.joints))
+        self.loose = subject.moved_by(LEGS)
+        self._rest_rad = start.qpos[infant.angles].copy()
+        names = infant.joint_names
         self._flexed_rad = np.array([_flexion(name, sides, hip_deg) for name in names])
         self._lag = np.array([0.5 if name.startswith(sides[-1]) and len(sides) > 1 else 0.0 for name in names])
         self._infant, self._period_s = infant, 60.0 / rate_per_min

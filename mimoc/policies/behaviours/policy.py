@@ -15,7 +15,9 @@ from mimoc.runtime.delays import timing_of
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, IntArray, Observation
 
-NOBODY = -1
+NOBODY = -1  # In place of the number of a behaviour, for joints that none moves.
+ACTUATIONS = ("torque", "muscle", "position")  # Actuation models of whose commands the torques are known.
+CHECKED_EVERY_S = 0.05  # How often a posture is checked for being lost, as in the trials.
 
 
 class Ensemble:
@@ -27,10 +29,12 @@ class Ensemble:
 
     def __init__(self, subject: Subject, behaviours: Sequence[Behaviour], labels: Sequence[str], actuators: IntArray):
         """Put bound behaviours together; PolicyError if two are postures of the whole body or begin in a posture."""
-        self._subject, self.behaviours, self._labels = subject, tuple(behaviours), tuple(labels)
+        self._subject = subject
+        self.behaviours = tuple(behaviours)
+        self._labels = tuple(labels)
         self._actuators = actuators
-        self.whole = self._only([item.is_whole for item in behaviours], "are postures of the whole body")
-        first = self._only([item.start is not None for item in behaviours], "say where an episode begins")
+        self.whole = self._only([behaviour.is_whole for behaviour in behaviours], "are postures of the whole body")
+        first = self._only([behaviour.start is not None for behaviour in behaviours], "say where an episode begins")
         self.start = None if first is None else behaviours[first].start
         """The posture that an episode begins in, if a behaviour says so."""
 
@@ -46,9 +50,11 @@ class Ensemble:
         """Begin an episode in a state, positions computed; PolicyError if two behaviours move the same joint."""
         for behaviour in self.behaviours:
             behaviour.begin(data)
-        infant, self._owners = self._subject.infant, self._find_owners()
-        self._may_touch = frozenset[int]().union(*(item.may_touch for item in self.behaviours))
-        gains, is_moved = servo(infant, data, loose=self._loose()), self._owners != NOBODY
+        infant = self._subject.infant
+        self._owners = self._find_owners()
+        self._may_touch = frozenset[int]().union(*(behaviour.may_touch for behaviour in self.behaviours))
+        gains = servo(infant, data, loose=self._loose())
+        is_moved = self._owners != NOBODY
         self.rows: IntArray = np.flatnonzero(is_moved[self._slots]).astype(np.intp)
         gains = Servo(gains.stiffness_nm * is_moved, gains.damping_nms * is_moved)
         timing = timing_of(self._subject.manifest, {})
@@ -59,7 +65,8 @@ class Ensemble:
 
         Limp for the time of their delay, an infant that is put into a posture would slump.
         """
-        rehearsal, pose_rad = self._rehearsal, data.qpos[self._subject.infant.angles]
+        rehearsal = self._rehearsal
+        pose_rad = data.qpos[self._subject.infant.angles]
         is_late = rehearsal.delay_steps > 0
         data.ctrl[self._actuators[self.rows[is_late]]] = rehearsal.hold(data, pose_rad)[is_late]
 
@@ -74,33 +81,35 @@ class Ensemble:
             if number != self.whole:
                 taken = owners[behaviour.joints]
                 if (taken != NOBODY).any():
-                    one, other = self._labels[taken[taken != NOBODY][0]], self._labels[number]
+                    first = self._labels[taken[taken != NOBODY][0]]
+                    second = self._labels[number]
                     joint = self._subject.infant.joint_names[behaviour.joints[np.argmax(taken != NOBODY)]]
-                    raise PolicyError(f"'{one}' and '{other}' both move {joint}; choose one of them")
+                    raise PolicyError(f"'{first}' and '{second}' both move {joint}; choose one of them")
                 owners[behaviour.joints] = number
         if self.whole is not None:
             owners[owners == NOBODY] = self.whole
         return owners
 
     def _loose(self) -> frozenset[int]:
+        """Return the hinges that bear nothing; see `Behaviour.loose`."""
         loose = frozenset[int]()
         for number, behaviour in enumerate(self.behaviours):
-            usual = [] if behaviour.is_whole else behaviour.joints
-            joints = np.asarray(usual if behaviour.loose is None else behaviour.loose, np.intp)
+            by_default = [] if behaviour.is_whole else behaviour.joints
+            joints = np.asarray(by_default if behaviour.loose is None else behaviour.loose, np.intp)
             loose |= set(joints[self._owners[joints] == number].tolist())
         return loose
 
     def proposed(self, ahead: mujoco.MjData, time_s: float, hinges: IntArray | None = None) -> FloatArray:
-        """Return the angle that each driven hinge is to go to, shape (n,); that it has, of those that none moves.
+        """Return the angle that each driven hinge is to go to, shape (n,); its present one if no behaviour moves it.
 
-        Only the behaviours that move some of certain *hinges* are asked; None is all.
+        Only the behaviours that move at least one of certain *hinges* are asked; None is all hinges.
         """
         angles_rad = ahead.qpos[self._subject.infant.angles].copy()
         asked = range(len(self.behaviours)) if hinges is None else set(self._owners[hinges].tolist())
         for number, behaviour in enumerate(self.behaviours):
             if number in asked:
-                is_its = self._owners[behaviour.joints] == number
-                angles_rad[behaviour.joints[is_its]] = behaviour.targets(ahead, time_s)[is_its]
+                is_owned = self._owners[behaviour.joints] == number
+                angles_rad[behaviour.joints[is_owned]] = behaviour.targets(ahead, time_s)[is_owned]
         return angles_rad
 
     def commands(self, data: mujoco.MjData, time_s: float) -> FloatArray:
@@ -110,10 +119,6 @@ class Ensemble:
     def lost(self, data: mujoco.MjData) -> str:
         """Return why the posture of the whole body is lost; nothing if it is not, or there is none."""
         return "" if self.whole is None else self.behaviours[self.whole].lost(data, self._may_touch)
-
-
-ACTUATIONS = ("torque", "muscle", "position")  # Actuation models of whose commands the torques are known.
-CHECKED_EVERY_S = 0.05  # How often it is looked whether a posture is lost, as in the trials.
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,11 +137,14 @@ class BehaviourPolicy:
 
     def __init__(self, env: Infant, named: Sequence[NamedBehaviour]):
         """Bind behaviours to an infant; PolicyError if they do not go together, or the infant cannot do one of them."""
-        self._env, self._named = env, tuple(named)
-        self._labels = numbered([one.label for one in named])
-        self._finished, self._begun_at = list[Mapping[str, float]](), np.empty(0)
+        self._env = env
+        self._named = tuple(named)
+        self._labels = numbered([behaviour.label for behaviour in named])
+        self._finished = list[Mapping[str, float]]()
+        self._begun_at = np.empty(0)
         self._lost_after_s: float | None = None
-        self._seen_s, self._chance = 0.0, Chance()
+        self._seen_s = 0.0
+        self._chance = Chance()
         self._bind()
 
     def begin(self) -> Observation:
@@ -150,29 +158,41 @@ class BehaviourPolicy:
             self._finished.append(self._of_episode())
         if env.model is not self._model:
             self._bind()
-        kept = env.manifest.constraints
-        if self._ensemble.start is not None and not (kept.locks or kept.welds):
-            infant, start, model, data = self._infant, self._ensemble.start, env.model, env.data
-            is_hinge = infant.is_own[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)
-            hinges = model.jnt_qposadr[is_hinge]
-            data.qpos[hinges], data.qvel[infant.is_own[model.dof_bodyid]] = start.qpos[hinges], 0.0
-            leftward = data.xmat[infant.root].reshape(3, 3)[:, 1]  # Horizontal, however its trunk is pitched.
-            half = np.arctan2(-leftward[0], leftward[1]) / 2
-            place, posed = data.qpos[infant.place], start.qpos[infant.place]
-            place[2] = posed[2]
-            mujoco.mju_mulQuat(place[3:], np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), posed[3:])
+        constraints = env.manifest.constraints
+        if self._ensemble.start is not None and not (constraints.locks or constraints.welds):
+            self._put_into(self._ensemble.start)
         mujoco.mj_fwdPosition(env.model, env.data)
         self._ensemble.begin(env.data)
         self._ensemble.hold(env.data)
         observation = begin_here(env)
         if reason := self._ensemble.lost(env.data):
-            label, advice = self._labels[self._ensemble.whole or 0], "choose another scene.pose, or hold other parts"
+            label = self._labels[self._ensemble.whole or 0]
+            advice = "choose another scene.pose, or hold other parts"
             raise PolicyError(f"'{label}' cannot begin where held parts or locked joints are ({reason}); {advice}")
-        self._begun_at, self._lost_after_s, self._seen_s = env.data.qpos[~self._is_of_others], None, 0.0
+        self._begun_at = env.data.qpos[~self._is_of_others]
+        self._lost_after_s = None
+        self._seen_s = 0.0
         return observation
 
+    def _put_into(self, start: mujoco.MjData) -> None:
+        """Put the infant into a posture, where it is and facing as it does."""
+        infant = self._infant
+        model = self._env.model
+        data = self._env.data
+        is_hinge = infant.is_own[model.jnt_bodyid] & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)
+        hinges = model.jnt_qposadr[is_hinge]
+        data.qpos[hinges] = start.qpos[hinges]
+        data.qvel[infant.is_own[model.dof_bodyid]] = 0.0
+        leftward = data.xmat[infant.root].reshape(3, 3)[:, 1]  # Horizontal, however the trunk is pitched.
+        yaw_rad = np.arctan2(-leftward[0], leftward[1])
+        turn = np.array([np.cos(yaw_rad / 2), 0.0, 0.0, np.sin(yaw_rad / 2)])  # The quaternion of this turn about z.
+        place = data.qpos[infant.place]  # A view, so that what is written to it below is written to the state.
+        posed = start.qpos[infant.place]
+        place[2] = posed[2]
+        mujoco.mju_mulQuat(place[3:], turn, posed[3:])
+
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
-        """Return the action, shape (n,); of the generator, only times of reactions depend, and nothing of the rest."""
+        """Return the action, shape (n,); only the times of reactions are drawn from the generator."""
         env = self._env
         self._chance.generator = generator
         if env.steps == 0 and not np.array_equal(env.data.qpos[~self._is_of_others], self._begun_at):
@@ -180,6 +200,7 @@ class BehaviourPolicy:
         elif env.model is not self._model:  # The infant has grown.
             self._bind()
             self._ensemble.begin(env.data)
+        # The allowed command nearest to 0, for actuators that nothing drives.
         action = np.clip(0.0, env.actuation.low, env.actuation.high)
         if np.isfinite(env.data.qpos).all():  # If not, the simulation became unstable, and the episode is over.
             time_s = env.steps * self._step_s
@@ -188,25 +209,29 @@ class BehaviourPolicy:
         return action.astype(np.float32)
 
     def metrics(self) -> Mapping[str, float]:
-        """Return what is told of each episode, as the mean of all that told it; docs/behaviours.md says what it is."""
+        """Return the mean of each metric over the episodes that have it; docs/behaviours.md says what they are."""
         episodes = [*self._finished, *([self._of_episode()] if self._seen_s else [])]
         names = dict.fromkeys(name for episode in episodes for name in episode)
-        return {name: float(np.mean([item[name] for item in episodes if name in item])) for name in names}
+        return {name: float(np.mean([episode[name] for episode in episodes if name in episode])) for name in names}
 
     def _bind(self) -> None:
         env = self._env
-        model, actuation = env.model, env.manifest.actuation.model
+        model = env.model
+        actuation = env.manifest.actuation.model
         if actuation not in ACTUATIONS:
             raise PolicyError(f"behaviours need actuation: {' or '.join(ACTUATIONS)}, not '{actuation}'")
-        self._model, self._infant = model, DrivenInfant.of(model, env.manifest)
+        self._model = model
+        self._infant = DrivenInfant.of(model, env.manifest)
         joints = np.searchsorted(model.jnt_qposadr, np.arange(model.nq), side="right") - 1
         self._is_of_others = self._infant.is_other[model.jnt_bodyid[joints]]
         subject = Subject(self._infant, env.manifest, self._chance)
-        self._step_s, bound = subject.step_s, [one.bind(subject) for one in self._named]
+        self._step_s = subject.step_s
+        bound = [behaviour.bind(subject) for behaviour in self._named]
         self._ensemble = Ensemble(subject, bound, self._labels, env.actuation.actuators)
 
     def _watch(self, time_s: float) -> None:
-        data, every = self._env.data, max(round(CHECKED_EVERY_S / self._step_s), 1)
+        data = self._env.data
+        every = max(round(CHECKED_EVERY_S / self._step_s), 1)
         for behaviour in self._ensemble.behaviours:
             behaviour.watch(data, time_s)
         if self._lost_after_s is None and self._env.steps % every == 0 and self._ensemble.lost(data):
@@ -214,7 +239,9 @@ class BehaviourPolicy:
         self._seen_s = time_s + self._step_s
 
     def _of_episode(self) -> dict[str, float]:
-        ensemble, lost_s, held = self._ensemble, self._lost_after_s, dict[str, float]()
+        ensemble = self._ensemble
+        lost_s = self._lost_after_s
+        held = dict[str, float]()
         if ensemble.whole is not None:
             held = {"held_s": self._seen_s if lost_s is None else lost_s, "held_share": float(lost_s is None)}
-        return held | merged_metrics([item.metrics() for item in ensemble.behaviours], self._labels)
+        return held | merged_metrics([behaviour.metrics() for behaviour in ensemble.behaviours], self._labels)

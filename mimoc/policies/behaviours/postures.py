@@ -23,8 +23,8 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.schema.names import SIDES
 
 Lost = Callable[[mujoco.MjData, frozenset[int]], str]
-"""Returns why a posture is lost in a state, with the bodies that others may bring to the floor; nothing if it is not.
-"""
+"""`lost(data, may_touch)` returns why a posture is lost in a state, empty if it is not; the bodies in *may_touch* are
+those that other behaviours may bring to the floor."""
 
 
 class Posture(Behaviour):
@@ -33,7 +33,9 @@ class Posture(Behaviour):
     is_whole = True
 
     def __init__(self, subject: Subject, start: mujoco.MjData, lost: Lost):
-        self.joints, self.start, self._lost = np.arange(len(subject.infant.joints)), start, lost
+        self.joints = np.arange(len(subject.infant.joints))
+        self.start = start
+        self._lost = lost
         self._target_rad = start.qpos[subject.infant.angles]
 
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
@@ -52,9 +54,11 @@ posture in which infants sit youngest."""
 
 def bind_sit(subject: Subject, text: str = "") -> Posture:
     """Return the behaviour that sits as in the trial `sit`."""
-    infant, numbers = subject.infant, read_arguments("sit", text, SIT_OPTIONS).numbers
+    infant = subject.infant
+    numbers = read_arguments("sit", text, SIT_OPTIONS).numbers
     subject.require("sit", *SEAT, *FEET)
-    forbidden = infant.parts_without(SEAT[1:]) - {infant.body(SEAT[0])}
+    hip, *thighs = SEAT
+    forbidden = infant.parts_without(thighs) - {infant.body(hip)}
     start = seat(infant, numbers["knees_deg"], numbers["lean"])
     return Posture(subject, start, lambda data, others: slumped(infant, data, forbidden - others))
 
@@ -73,9 +77,12 @@ KNEELING_OPTIONS = {"elbows_deg": Option(-30.0, -90.0, 0.0), "thighs_deg": Optio
 
 def bind_hands_and_knees(subject: Subject, text: str = "") -> Posture:
     """Return the behaviour that keeps on hands and knees as in the trial `hands_and_knees`."""
-    infant, numbers = subject.infant, read_arguments("hands_and_knees", text, KNEELING_OPTIONS).numbers
-    subject.require("hands_and_knees", *SUPPORTS, *(part.replace("upper", "lower") for part in SUPPORTS[2:]))
-    forbidden, start = infant.parts_without(SUPPORTS), kneel(infant, numbers["elbows_deg"], numbers["thighs_deg"])
+    infant = subject.infant
+    numbers = read_arguments("hands_and_knees", text, KNEELING_OPTIONS).numbers
+    shanks = [part.replace("upper", "lower") for part in SUPPORTS if part.endswith("_upper_leg")]
+    subject.require("hands_and_knees", *SUPPORTS, *shanks)
+    forbidden = infant.parts_without(SUPPORTS)
+    start = kneel(infant, numbers["elbows_deg"], numbers["thighs_deg"])
     return Posture(subject, start, lambda data, others: infant.touching(data, forbidden - others))
 
 
@@ -85,9 +92,11 @@ STAND_OPTIONS = {"knees_deg": Option(0.0, -90.0, 0.0), "lean": Option(0.3, 0.0, 
 
 def bind_stand(subject: Subject, text: str = "") -> Posture:
     """Return the behaviour that stands as in the trial `stand`."""
-    infant, numbers = subject.infant, read_arguments("stand", text, STAND_OPTIONS).numbers
+    infant = subject.infant
+    numbers = read_arguments("stand", text, STAND_OPTIONS).numbers
     subject.require("stand", *FEET, *(foot.replace("foot", "toes") for foot in FEET))
-    forbidden, start = infant.parts_without(FEET), stance(infant, numbers["knees_deg"], numbers["lean"])
+    forbidden = infant.parts_without(FEET)
+    start = stance(infant, numbers["knees_deg"], numbers["lean"])
     return Posture(subject, start, lambda data, others: fallen(infant, data, forbidden - others))
 
 
@@ -106,13 +115,13 @@ class Hold(Behaviour):
         self._trunk = data.xmat[self._infant.pushed].reshape(3, 3).copy()
 
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
-        """Return the angles at the beginning; see `Behaviour`."""
+        """Return the angles at the start of the episode; see `Behaviour`."""
         return self._target_rad
 
     def lost(self, data: mujoco.MjData, may_touch: frozenset[int]) -> str:
         """Return whether the trunk has turned; see `Behaviour`."""
-        now = data.xmat[self._infant.pushed].reshape(3, 3)
-        cosine = (np.trace(self._trunk.T @ now) - 1.0) / 2.0
+        trunk = data.xmat[self._infant.pushed].reshape(3, 3)
+        cosine = (np.trace(self._trunk.T @ trunk) - 1.0) / 2.0  # The trace of a turn by an angle a is 1 + 2 cos(a).
         return "trunk turned" if cosine < np.cos(np.radians(MAX_TILT_DEG)) else ""
 
 

@@ -68,7 +68,9 @@ class ActuatorInverse:
         Torques are those beside a *bias* of motors and servos, shape (a, mjNBIAS); their whole bias unless given.
         """
         self._model, self._own, self._interval_s = joints.model, actuators, interval_s
-        model, self._slot, self._count = joints.model, joints.slots_of(actuators), len(joints.joints)
+        model = joints.model
+        self._slot = joints.slots_of(actuators)
+        self._count = len(joints.joints)
         self._gear = model.actuator_gear[actuators, 0].copy()
         self._low, self._high = model.actuator_ctrlrange[actuators].T
         self._muscles = bool((model.actuator_gaintype[actuators] == mujoco.mjtGain.mjGAIN_MUSCLE).any())
@@ -184,7 +186,9 @@ class Plant:
                 if name not in joints.names:
                     raise UnknownNameError("joint with an actuator", name, joints.names)
             joints = DrivenJoints.named(model, chosen, manifest.prefix)
-        self.model, self.data, self.joints = model, mujoco.MjData(model), joints
+        self.model = model
+        self.data = mujoco.MjData(model)
+        self.joints = joints
         self.actuators: IntArray = actuation.actuators
         """All commanded actuators of the infant, in the order of the action."""
         self._commands = np.flatnonzero(np.isin(driven, joints.joints))

@@ -329,7 +329,8 @@ def solve_within_limits(
     computed a second time; more passes gain nothing.
     """
     shares = solve_prioritized(demands, rest)
-    slack, coming = SLACK * turning.unheld, turning.response @ shares + turning.drift
+    slack = SLACK * turning.unheld
+    coming = turning.response @ shares + turning.drift
     beyond = np.flatnonzero(turning.free & ((coming > largest + slack) | (coming < least - slack)))
     if not beyond.size:
         return shares
@@ -357,7 +358,9 @@ class ContactConstraints:
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest, effectors: Iterable[int], loose: Iterable[int] = ()):
         """Find the bodies that can support the infant; *loose* ones, and those on them, may slide."""
-        self._model, self._couplings, self._has_others = model, _couplings(model), bool(manifest.prefix)
+        self._model = model
+        self._couplings = _couplings(model)
+        self._has_others = bool(manifest.prefix)
         bearing = model.body_rootid == model.body(manifest.root_body).id
         trunk = trunk_of(manifest.anatomy, model)
         busy = {limb_of(effector, trunk, model) for effector in effectors} - {0}

@@ -48,7 +48,9 @@ class ForwardModel:
 
     def __init__(self, model: mujoco.MjModel, actuators: IntArray, timing: Timing, state: int = STATE):
         """Prepare a copy of the model's state, which takes over *state* of it; other actuators keep their controls."""
-        self._model, self._ahead, self._state = model, mujoco.MjData(model), state
+        self._model = model
+        self._ahead = mujoco.MjData(model)
+        self._state = state
         moved = model.jnt_bodyid[model.actuator_trnid[actuators, 0]]
         self.control_steps = timing.period
         """Physics steps in a control step."""

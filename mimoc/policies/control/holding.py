@@ -108,7 +108,8 @@ class _Loads:
 
 def _loads(infant: DrivenInfant) -> _Loads:
     """Return the driven hinges and those coupled to them, as hip_bend2 is to hip_bend1."""
-    model, slots = infant.model, {int(joint): slot for slot, joint in enumerate(infant.joints)}
+    model = infant.model
+    slots = {int(joint): slot for slot, joint in enumerate(infant.joints)}
     loads = [(joint, slot, 1.0) for joint, slot in slots.items()]
     for start, count in zip(model.tendon_adr, model.tendon_num, strict=True):
         wraps = slice(start, start + count)
@@ -190,7 +191,9 @@ class Rehearsal:
         *propose*, which says where hinges go, is asked once for each delay, in the state in which the commands with
         that delay begin to act: the first time for all hinges, later for those alone.
         """
-        forward, total, target_rad = self._forward, np.zeros(len(self._actuators)), np.empty(0)
+        forward = self._forward
+        total = np.zeros(len(self._actuators))
+        target_rad = np.empty(0)
         for step, ahead, beginning in forward.foresee(data, forward.longest + forward.control_steps):
             if beginning:
                 forward.compute()

@@ -154,7 +154,8 @@ class InverseDynamics:
 
     def _shares(self, now: Dynamics) -> FloatArray:
         """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
-        turning, wanted = now.joint_limit(self._plant.strength_nm), self._wanted(now)
+        turning = now.joint_limit(self._plant.strength_nm)
+        wanted = self._wanted(now)
         linear_demands = [
             self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[item] for item in level])
             for level in self._levels

@@ -154,7 +154,8 @@ def turn_towards(pointing: FloatArray, wanted: FloatArray) -> FloatArray:
 
     It is zero if they are equal, and about an arbitrary perpendicular axis if they are opposite.
     """
-    across, along = _cross(pointing, wanted), float(pointing @ wanted)
+    across = _cross(pointing, wanted)
+    along = float(pointing @ wanted)
     sine = math.sqrt(across @ across)
     if sine > _PARALLEL:
         return math.atan2(sine, along) / sine * across

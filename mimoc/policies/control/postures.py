@@ -43,7 +43,7 @@ FEET = ("left_foot", "right_foot")
 SUPPORTS = ("left_hand", "right_hand", "left_upper_leg", "right_upper_leg")
 """Parts that may touch the floor, with all that hangs on them; thighs, because they end in the knees."""
 PRONE_UP_DEG = 45.0  # How far the face has to be turned up from straight down: "head up 45 degrees" of Denver II.
-MIN_PITCH_DEG, MAX_PITCH_DEG = -30.0, 40.0  # Of the pelvis, between which a seat is looked for.
+MIN_PITCH_DEG, MAX_PITCH_DEG = -30.0, 40.0  # Range of the pitch of the pelvis in which a seat is looked for.
 
 
 def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:

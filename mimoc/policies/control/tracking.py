@@ -101,7 +101,8 @@ class Tracker:
         """Time after which what is commanded takes effect in each degree of freedom, shape (nv,)."""
         stiffness = np.full(model.nv, (2.0 * np.pi * BANDWIDTH_HZ) ** 2)
         stiffness[self._body.root_speeds] = (2.0 * np.pi * ROOT_BANDWIDTH_HZ) ** 2
-        self._stiffness, self._damping = stiffness, 2.0 * np.sqrt(stiffness)
+        self._stiffness = stiffness
+        self._damping = 2.0 * np.sqrt(stiffness)
         self._resting = ~(self._body.of_limbs["arms"] | self._body.of_limbs["legs"])
         """Joints of trunk and head, whose weight the ground carries while the infant touches anything."""
 
@@ -119,7 +120,8 @@ class Tracker:
 
     def __call__(self, wanted: Wanted) -> npt.NDArray[np.float32]:
         """Return the action, shape (nu,), for the motion when it takes effect: of each speed, `leads_s` from now."""
-        forward, action = self._forward, np.zeros(len(self._body.actuators), np.float32)
+        forward = self._forward
+        action = np.zeros(len(self._body.actuators), np.float32)
         for _, ahead, beginning in forward.foresee(self._observed, forward.longest + 1):
             if beginning:
                 action[beginning.commands] = self._action(ahead, wanted)[beginning.commands]
@@ -239,8 +241,10 @@ def _pushes(model: mujoco.MjModel, data: mujoco.MjData, is_own: npt.NDArray[np.b
     contacts = data.contact
     ours = is_own[model.geom_bodyid[contacts.geom]]
     outside = ours[:, 0] != ours[:, 1]
-    frames, second = contacts.frame[outside].reshape(-1, 3, 3), ours[outside, 1]
-    normals, friction = frames[:, 0] * np.where(second, 1.0, -1.0)[:, None], contacts.friction[outside, :1]
+    frames = contacts.frame[outside].reshape(-1, 3, 3)
+    second = ours[outside, 1]
+    normals = frames[:, 0] * np.where(second, 1.0, -1.0)[:, None]
+    friction = contacts.friction[outside, :1]
     edges = np.stack([normals + way * friction * frames[:, axis] for axis in (1, 2) for way in (-1, 1)], axis=1)
     arms_m = (contacts.pos[outside] - data.xpos[root])[:, None]
     torques = np.cross(arms_m, edges) @ data.xmat[root].reshape(3, 3)  # In the body's frame.

@@ -126,7 +126,9 @@ def moro(sensed: Sensed, state: State) -> tuple[Drives, State]:
     """
     xp, dt_s = sensed.xp, sensed.step_s
     x, y, z = sensed.head_force_m_s2
-    force, one, keep = (x * x + y * y + z * z) / GRAVITY_M_S2**2, 1.0 + sensed.zero, sensed.keep(FALL_S)
+    force = (x * x + y * y + z * z) / GRAVITY_M_S2**2
+    one = 1.0 + sensed.zero
+    keep = sensed.keep(FALL_S)
     turn_back = xp.where(force < DROPS**2, -dt_s * sensed.head_rate_rad_s[1], sensed.zero)
     drop = sensed.keep(DROP_S) * state["drop"] + turn_back
     falls = xp.where(force < FALLS**2, one, sensed.zero)
@@ -169,7 +171,8 @@ def tonic_neck(sensed: Sensed, state: State) -> tuple[Drives, State]:
     """Supine with the head turned, stretch arm and leg of the side that it faces, and bend the others, now and then."""
     xp, dt_s = sensed.xp, sensed.step_s
     is_on, one = state["is on"], 1.0 + sensed.zero
-    stays, begins = sensed.chance >= dt_s / ON_S, sensed.chance < dt_s / OFF_S
+    stays = sensed.chance >= dt_s / ON_S
+    begins = sensed.chance < dt_s / OFF_S
     is_on = xp.where(xp.where(is_on > 0.5, stays, begins), one, sensed.zero)
     level = state["level"] + (1.0 - sensed.keep(EASE_S)) * (is_on - state["level"])
     supine = sensed.clip((sensed.up[0] - 0.4) / 0.4)

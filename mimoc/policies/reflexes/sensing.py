@@ -25,7 +25,8 @@ class Patch:
 
     bodies: str
     inward: tuple[float, float, float]
-    """Direction of what presses on it, in the frame of the body; for touch that is told by the sum on each body."""
+    """Direction in which something presses on it, in the frame of the body; used where touch is the sum of the forces
+    on each body."""
     low: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """The corner with the least coordinates, as shares of the box around all skin points of the body."""
     high: tuple[float, float, float] = (1.0, 1.0, 1.0)  # The opposite corner.
@@ -48,7 +49,8 @@ class Area:
 
     def __init__(self, batch: Batch, side: str, patches: tuple[Patch, ...], width: int, is_sum: bool):
         """Find the numbers of touch that belong to it, *width* a point; *is_sum* adds the forces on each body."""
-        self._xp, self._width = batch.xp, width
+        self._xp = batch.xp
+        self._width = width
         touches: list[Any] = [infant.senses["touch"] for infant in batch.infants]
         if is_sum:
             indices, weights = _bodies(touches[0].receptors, side, patches)
@@ -56,13 +58,15 @@ class Area:
             weights = np.ones((len(touches), len(indices)))
         else:
             inside = np.stack([_inside(touch.receptors, side, patches) for touch in touches])
-            indices, self._directions = np.flatnonzero(inside.any(axis=0)), None
+            indices = np.flatnonzero(inside.any(axis=0))
+            self._directions = None
             weights = inside[:, indices].astype(np.float64)
         self._numbers = batch.put((indices[:, None] * width + np.arange(width)).ravel().astype(np.intp))
-        self._weights, self._points = batch.put(weights), len(indices)
+        self._weights = batch.put(weights)
+        self._points = len(indices)
 
     def __call__(self, touch: Any) -> Any:
-        """Return the force on it, shape (k,), of what is felt, shape (k, numbers)."""
+        """Return the force on the area, shape (k,), from observations of touch, shape (k, numbers)."""
         xp = self._xp
         forces = xp.reshape(xp.take(touch, self._numbers, axis=1), (touch.shape[0], self._points, self._width))
         if self._directions is not None:
@@ -87,7 +91,7 @@ def _inside(receptors: Any, side: str, patches: tuple[Patch, ...]) -> np.ndarray
 
 
 def _bodies(receptors: Any, side: str, patches: tuple[Patch, ...]) -> tuple[IntArray, FloatArray]:
-    """Return the bodies of an area, as numbers of those with skin, and where what presses points to, shape (m, 3)."""
+    """Return the bodies of an area, as numbers among those with skin, and the directions of pressure, shape (m, 3)."""
     names = receptors.names[np.unique(receptors.bodies, return_index=True)[1]].tolist()
     chosen = [
         (number, np.array(patch.inward) * ([1, 1, 1] if side == "right" else [1, -1, 1]))
@@ -108,7 +112,8 @@ GRAVITY_S = 0.5
 """Time constant with which the direction upwards follows the specific force; faster turns come from the gyroscope."""
 POSTURE_S = 1.0  # Time constant of the posture that an infant was in before it tipped over.
 NECK = ("head_tilt_side", "head_tilt", "head_swivel")  # The joints between trunk and head that turn about x, y and z.
-BALANCE = {"up x": 0.0, "up y": 0.0, "up z": 0.0, "posture": 0.0, "is new": 1.0}
+UP = ("up x", "up y", "up z")  # Names of the parts of the direction upwards in the state of the sense of balance.
+BALANCE = {**dict.fromkeys(UP, 0.0), "posture": 0.0, "is new": 1.0}
 """State of the sense of balance when an episode begins."""
 
 
@@ -125,7 +130,7 @@ class Sensed:
     head_rate_rad_s: tuple[Any, Any, Any]
     """Angular velocity of the head in its frame: x forwards, y left, z up; zeros without a vestibular sense."""
     head_force_m_s2: tuple[Any, Any, Any]  # Specific force of the head, which is gravity's reaction at rest.
-    rate_rad_s: tuple[Any, Any, Any]  # Angular velocity of the trunk in its frame, as far as the neck is felt.
+    rate_rad_s: tuple[Any, Any, Any]  # Angular velocity of the trunk in its frame, as far as the neck is sensed.
     up: tuple[Any, Any, Any]  # Unit vector upwards in the frame of the trunk: (0, 0, 1) of an infant that is upright.
     posture: Any  # The upward part of `up` over the last second: about 1 of an infant that was upright.
     chance: Any  # A number from 0 to 1 for each control step.
@@ -140,11 +145,11 @@ class Sensed:
         return self.pressure_n.get(area, self.zero) / self.weight_n
 
     def angle(self, joint: str) -> Any:
-        """Return the angle of a joint; zero if it is not felt."""
+        """Return the angle of a joint; zero if it is not sensed."""
         return self.angle_rad.get(joint, self.zero)
 
     def speed(self, joint: str) -> Any:
-        """Return the velocity of a joint; zero if it is not felt."""
+        """Return the velocity of a joint; zero if it is not sensed."""
         return self.speed_rad_s.get(joint, self.zero)
 
     def clip(self, values: Any) -> Any:
@@ -168,7 +173,8 @@ class Senses:
 
     def __init__(self, batch: Batch, touch_numbers: int):
         """Find what is read; *touch_numbers* is how many numbers an observation of touch has, 0 without."""
-        self._batch, infant = batch, batch.infants[0]
+        self._batch = batch
+        infant = batch.infants[0]
         senses = [name for name in ("proprioception", "vestibular", "touch") if name in infant.senses]
         self.names = tuple(senses)
         """The senses that there are."""
@@ -185,63 +191,72 @@ class Senses:
                 for name, patches in AREAS.items()
             }
         layout = infant.layout("proprioception") if "proprioception" in senses else ()
-        self._angles = {name: layout.index(f"robot:{name} angle [rad]") for name in _felt(layout, "angle [rad]")}
-        self._speeds = {name: layout.index(f"robot:{name} velocity [rad/s]") for name in _felt(layout, "velocity")}
-        self._balance = infant.layout("vestibular") if "vestibular" in senses else ()
+        self._angles = {name: layout.index(f"robot:{name} angle [rad]") for name in _sensed(layout, "angle [rad]")}
+        self._speeds = {name: layout.index(f"robot:{name} velocity [rad/s]") for name in _sensed(layout, "velocity")}
+        of_head = infant.layout("vestibular") if "vestibular" in senses else ()
+        self._force_columns = [column for column, name in enumerate(of_head) if "_acc." in name]
+        self._rate_columns = [column for column, name in enumerate(of_head) if "_gyro." in name]
 
     def __call__(self, observation: Mapping[str, Any], balance: Mapping[str, Any], chance: Any) -> tuple[Sensed, dict]:
         """Return what is sensed, and what balance remembers (`BALANCE`), by chances from 0 to 1, shape (k,)."""
-        real, zero = self._batch.real, 0.0 * chance
+        real = self._batch.real
+        zero = 0.0 * chance
         joints = real(observation["proprioception"]) if self._angles else None
         angles = {name: joints[:, index] for name, index in self._angles.items()} if joints is not None else {}
         speeds = {name: joints[:, index] for name, index in self._speeds.items()} if joints is not None else {}
-        felt = real(observation["touch"]) if self._areas else None
+        touch = real(observation["touch"]) if self._areas else None
         force, rate = self._head(observation, zero)
         neck = [angles.get(name, zero) for name in NECK]
-        turning = [one - speeds.get(name, zero) for one, name in zip(rate, NECK, strict=True)]
+        # The head turns as the trunk does, and as the neck turns it.
+        turning = [of_head - speeds.get(name, zero) for of_head, name in zip(rate, NECK, strict=True)]
         rate_of_trunk = _in_trunk(self._batch.xp, turning, neck)
         balance = self._balanced(balance, _in_trunk(self._batch.xp, force, neck), rate_of_trunk)
         sensed = Sensed(
-            self._batch.xp,
-            self._step_s,
-            self._weight_n,
-            {name: area(felt) for name, area in self._areas.items()},
-            angles,
-            speeds,
-            rate,
-            force,
-            rate_of_trunk,
-            (balance["up x"], balance["up y"], balance["up z"]),
-            balance["posture"],
-            chance,
+            xp=self._batch.xp,
+            step_s=self._step_s,
+            weight_n=self._weight_n,
+            pressure_n={name: area(touch) for name, area in self._areas.items()},
+            angle_rad=angles,
+            speed_rad_s=speeds,
+            head_rate_rad_s=rate,
+            head_force_m_s2=force,
+            rate_rad_s=rate_of_trunk,
+            up=(balance["up x"], balance["up y"], balance["up z"]),
+            posture=balance["posture"],
+            chance=chance,
         )
         return sensed, balance
 
     def _head(self, observation: Mapping[str, Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        if not self._balance:
-            return (zero, zero, zero), (zero, zero, zero)
-        felt, vectors = self._batch.real(observation["vestibular"]), []
-        for part in ("acc", "gyro"):
-            columns = [number for number, name in enumerate(self._balance) if f"_{part}." in name]
-            vectors.append(tuple(felt[:, column] for column in columns) or (zero, zero, zero))
-        return vectors[0], vectors[1]
+        """Return specific force and angular velocity of the head; zeros for what is not sensed."""
+        nothing = (zero, zero, zero)
+        if not (self._force_columns or self._rate_columns):
+            return nothing, nothing
+        vestibular = self._batch.real(observation["vestibular"])
+        force = tuple(vestibular[:, column] for column in self._force_columns) or nothing
+        rate = tuple(vestibular[:, column] for column in self._rate_columns) or nothing
+        return force, rate
 
     def _balanced(self, former: Mapping[str, Any], force: Any, rate: Any) -> dict[str, Any]:
         """Return the direction upwards one step later: turned as the gyroscope says, drawn towards the specific force.
 
         With the angular velocity w, the specific force f and the time constant T: up' = up x w + (f / |f| - up) / T.
         """
-        xp, step_s = self._batch.xp, self._step_s
+        xp = self._batch.xp
+        step_s = self._step_s
         size = xp.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2) + 1e-6
         measured = tuple(part / size for part in force)
         new = former["is new"]
-        up = tuple(new * one + (1.0 - new) * former[name] for one, name in zip(measured, UP, strict=True))
+        up = tuple(new * part + (1.0 - new) * former[name] for part, name in zip(measured, UP, strict=True))
         turned = (
             up[1] * rate[2] - up[2] * rate[1],
             up[2] * rate[0] - up[0] * rate[2],
             up[0] * rate[1] - up[1] * rate[0],
         )
-        moved = [a + step_s * (b + (c - a) / GRAVITY_S) for a, b, c in zip(up, turned, measured, strict=True)]
+        moved = [
+            old + step_s * (turn + (goal - old) / GRAVITY_S)
+            for old, turn, goal in zip(up, turned, measured, strict=True)
+        ]
         length = xp.sqrt(moved[0] ** 2 + moved[1] ** 2 + moved[2] ** 2) + 1e-6
         moved = [part / length for part in moved]
         posture = new * moved[2] + (1.0 - new) * former["posture"]
@@ -249,16 +264,14 @@ class Senses:
         return {**dict(zip(UP, moved, strict=True)), "posture": posture, "is new": 0.0 * new}
 
 
-UP = ("up x", "up y", "up z")
-
-
-def _felt(layout: tuple[str, ...], what: str) -> list[str]:
+def _sensed(layout: tuple[str, ...], what: str) -> list[str]:
     return [name for name in JOINTS if any(item.startswith(f"robot:{name} {what}") for item in layout)]
 
 
 def _in_trunk(xp: Any, vector: Any, neck: Any) -> tuple[Any, Any, Any]:
     """Return a vector of the head's frame in the frame of the trunk; the neck turns about z, then y, then x."""
-    (x, y, z), (roll, pitch, yaw) = vector, neck
+    x, y, z = vector
+    roll, pitch, yaw = neck
     y, z = xp.cos(roll) * y - xp.sin(roll) * z, xp.sin(roll) * y + xp.cos(roll) * z
     x, z = xp.cos(pitch) * x + xp.sin(pitch) * z, xp.cos(pitch) * z - xp.sin(pitch) * x
     return xp.cos(yaw) * x - xp.sin(yaw) * y, xp.sin(yaw) * x + xp.cos(yaw) * y, z

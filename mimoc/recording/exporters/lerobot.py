@@ -35,7 +35,8 @@ STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "
 
 def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], None]) -> list[str]:
     """Write a data set of LeRobot's: a row for each control step, with what was observed before it."""
-    readings, task = recording[0].described.readings, recording.bundle().manifest.task.kind
+    readings = recording[0].described.readings
+    task = recording.bundle().manifest.task.kind
     eyes = [reading for reading in readings if reading.kind == "picture"]
     total, start = (1 + len(eyes)) * len(recording), 0
     tables, stats, spans = [], [], []

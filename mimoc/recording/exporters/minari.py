@@ -43,7 +43,8 @@ def export(recording: ReadRecording, out: Path, progress: Callable[[int, int], N
             progress(number, len(recording))
             yield EpisodeBuffer(id=number, **_buffer(episode))
 
-    versions, texts = recording[-1].versions, recording[0].described.movement_names
+    versions = recording[-1].versions
+    texts = recording[0].described.movement_names
     with _datasets_in(out), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # It misses an author and a link to the code, which are the user's to give.
         minari.create_dataset_from_buffers(

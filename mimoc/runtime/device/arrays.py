@@ -55,9 +55,11 @@ def device_worlds(data: mjw.Data) -> Worlds:
         return world, groups, rows, is_listed & (rows[:, 0] >= 0)  # Near misses have no rows of constraints.
 
     def loads(group_of_geom: torch.Tensor) -> torch.Tensor:
-        count, forces_n = count_of(group_of_geom), wp.to_torch(data.efc.force)
+        count = count_of(group_of_geom)
+        forces_n = wp.to_torch(data.efc.force)
         world, groups, rows, touches = contacts(group_of_geom)
-        worlds, first = world.long().clamp(min=0), rows[:, 0].long().clamp(min=0, max=forces_n.shape[1] - 1)
+        worlds = world.long().clamp(min=0)
+        first = rows[:, 0].long().clamp(min=0, max=forces_n.shape[1] - 1)
         normal_n = torch.where(touches, forces_n[worlds, first], 0.0)
         largest = forces_n.new_zeros(data.nworld * count + 1)  # The last one is of those in no group.
         for side in range(2):

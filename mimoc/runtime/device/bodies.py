@@ -14,8 +14,8 @@ from mimoc.runtime.gymnasium_forms import first_of
 from mimoc.runtime.sense import IntArray
 
 TOLERANCE = 1e-8
-"""Of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by 1e-3 rad
-in 20 steps, with this one by less than 1e-6 (measured at seven ages; 1e-10 is no better in 32-bit numbers)."""
+"""Tolerance of the solver. With MuJoCo Warp's own, 1e-6, light joints such as those of the eyes drift from MuJoCo's by
+1e-3 rad in 20 steps, with this one by less than 1e-6 (measured at seven ages; 1e-10 is no better in 32-bit numbers)."""
 
 NOT_COMPARED = {"opt", "callback", "block_dim", "dof_length", "nkey"}
 """Fields that may differ: the first three are no numbers of a body, and `opt` is compared by itself; only sleeping uses
@@ -48,7 +48,9 @@ class WorldsModel:
     """
 
     def __init__(self, models: Sequence[mujoco.MjModel], body_of_world: IntArray, changed: Collection[str] = ()):
-        self._source, self._count, self._own = models[0], len(body_of_world), set(changed)
+        self._source = models[0]
+        self._count = len(body_of_world)
+        self._own = set(changed)
         self._first = _put(models[0])
         self.warp = _put(models[0], dict.fromkeys(sorted(changed), self._count))  # MuJoCo Warp's model.
         self.warp.opt.tolerance.fill_(TOLERANCE)

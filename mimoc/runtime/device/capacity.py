@@ -109,7 +109,9 @@ class Room:
 
 def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntArray, seed: int = 0) -> Capacity:
     """Return the most that infants need who move at random; MuJoCo Warp tests *pairs* of geoms, shape (p, 2)."""
-    generator, contacts, constraints = np.random.default_rng(seed), 0, 0
+    generator = np.random.default_rng(seed)
+    contacts = 0
+    constraints = 0
     for index in np.unique(np.linspace(0, len(models) - 1, BODIES).astype(int)).tolist():
         model = models[index]
         data = mujoco.MjData(model)

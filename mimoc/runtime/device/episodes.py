@@ -78,10 +78,8 @@ def _hash(numbers: torch.Tensor) -> torch.Tensor:
 
 def changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
     """Return the rows of model fields that an infant's episodes change, by field, if MuJoCo Warp reads it."""
-    constraints, objects = (
-        Constraints(infant.manifest.constraints, infant.model),
-        Objects(infant.manifest, infant.model),
-    )
+    constraints = Constraints(infant.manifest.constraints, infant.model)
+    objects = Objects(infant.manifest, infant.model)
     rows = rows_by_name([*constraints.model_fields, *infant.task.model_fields, *objects.model_fields])
     return {name: rows[name] for name in rows.keys() & BATCHED if len(rows[name])}
 
@@ -120,7 +118,8 @@ def sample_initial_states(
     for name, which in rows.items():
         shape = len(fields[name]), len(which), *_field(name, model, data).shape[2:]
         tables[name] = Table(fields[name].reshape(shape), put(which))
-    first, count = put(np.cumsum([0, *counts[:-1]]))[body], put(counts)[body]
+    first = put(np.cumsum([0, *counts[:-1]]))[body]
+    count = put(counts)[body]
     initial = InitialStates(first, count, tables, {name: Table(values) for name, values in memory.items()}, samples)
     if VISION in readers:
         samples[VISION] = _seen_at(initial, readers[VISION], body, model, data)
@@ -220,7 +219,8 @@ class DeviceTask:
     """The task of all worlds; its memory keeps its place on the device."""
 
     def __init__(self, infants: Sequence[InfantEnv], body: torch.Tensor):
-        terms, first = [_term_of(infant) for infant in infants], infants[0]
+        terms = [_term_of(infant) for infant in infants]
+        first = infants[0]
         if field := differing_field(terms):
             raise DeviceError(f"the tasks of these infants differ in '{field}', which all worlds of a device share")
         self._term: Any = stack_terms([terms[index] for index in body.tolist()], put)

@@ -54,7 +54,7 @@ class Part(NamedTuple):
     """Numbers of a signal with a common delay, which depends on the infant."""
 
     columns: Rows
-    delay: torch.Tensor  # In physics steps, shape (worlds,).
+    delay: torch.Tensor  # Delay in physics steps, shape (worlds,).
     first: torch.Tensor  # When the signal with the number 0 is sent, shape (worlds,).
     slots: torch.Tensor  # How many slots are used, shape (worlds,).
     ring: torch.Tensor  # What is on its way, shape (slots, worlds, columns).
@@ -96,12 +96,14 @@ class DelayLine:
             are_commands: Whether the signals are commands.
             dtype: Type of the numbers.
         """
-        self._period, self._worlds, self._uniforms = period, torch.arange(len(body), device=body.device), uniforms
+        self._period = period
+        self._worlds = torch.arange(len(body), device=body.device)
+        self._uniforms = uniforms
         self._is_jittered = bool(delays.jitter.any())
         self._every = 1 if self._is_jittered and not are_commands else period
         self._last = period - 1 if are_commands else 0  # When something arrives last in a control step.
         self.rests: IntArray = np.arange(period) if self._is_jittered else np.unique(delays.steps % period)
-        """By how many physics steps delays can be longer than whole control steps."""
+        """Numbers of physics steps by which delays can be longer than whole control steps."""
         bodies, which = len(delays.steps), body.tolist()
         columns, self._parts = np.concatenate(delays), list[Part]()
         for column in np.unique(columns, axis=1).T:
@@ -119,7 +121,7 @@ class DelayLine:
         most = np.zeros((bodies, int(delays.channel.max(initial=0)) + 1), np.intp)
         np.maximum.at(most, (np.arange(bodies)[:, None], delays.channel), delays.jitter)
         self._most = put(most if self._is_jittered else most[:, :0])[body]
-        self.deviations = torch.zeros_like(self._most)  # Of delays now, shape (worlds, channels).
+        self.deviations = torch.zeros_like(self._most)  # Deviations of delays now, shape (worlds, channels).
 
     def send(self, clock: torch.Tensor, values: torch.Tensor, rest: int | None = None) -> None:
         """Send values, shape (worlds, n), or samples *rest* physics steps before the end of a control step.
@@ -240,7 +242,8 @@ class DeviceNoise:
     """The noise of one signal of all worlds, with its state."""
 
     def __init__(self, signal: str, noises: Sequence[Noise], body: torch.Tensor, chance: CounterRandom):
-        self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
+        self._noise = term_of_worlds(f"noise of {signal}", noises, body)
+        self._chance = chance
         draws = [*noise_keys(), MOTOR]
         self._first = draws.index(signal) * 2 * PLACES if signal in draws else 0  # Others only have filters.
         self.state: torch.Tensor | None = None  # Shape (worlds, ...), if the noise has one.
@@ -324,16 +327,19 @@ class DeviceSense:
     """A sense of all infants."""
 
     def __init__(self, name: str, setup: DeviceSetup, chance: CounterRandom):
-        infants, body, manifest = setup.infants, setup.body, setup.infants[0].manifest
+        infants = setup.infants
+        body = setup.body
+        manifest = setup.infants[0].manifest
         device = device_part(name, infants[0].senses[name])
         self.reader: DeviceReader | None = function_of(device, "bind")(setup) if device else None
         terms: list[Any] = [infant.senses[name].term for infant in infants]
         self._term: Any = None if device else term_of_worlds(f"sense '{name}'", terms, body)
         self.noise = noise_of(name, infants, body, chance)
-        self._timestep_s, self._period = ms_to_s(manifest.timestep_ms), round(manifest.step_ms / manifest.timestep_ms)
+        self._timestep_s = ms_to_s(manifest.timestep_ms)
+        self._period = round(manifest.step_ms / manifest.timestep_ms)
         self.spaces: list[Mapping[str, Box]] = [
             getattr(self.reader, "spaces", infant.senses[name].spaces) for infant in infants
-        ]  # Of each body.
+        ]  # Spaces of each body.
         boxes = list(self.spaces[0].values())
         self._sizes = [int(np.prod(box.shape)) for box in boxes]
         self._is_picture = boxes[0].dtype == np.uint8 and device is not None
@@ -382,14 +388,16 @@ def line_of(
     infants, manifest = setup.infants, setup.infants[0].manifest
     delays = [delays_of(infant, signal, count, where) for infant, where in zip(infants, bodies, strict=True)]
     together = Delays(*map(np.stack, zip(*delays, strict=True)))
-    kind, period = torch.uint8 if is_picture else torch.float32, to_steps(manifest.step_ms, manifest.timestep_ms)
+    kind = torch.uint8 if is_picture else torch.float32
+    period = to_steps(manifest.step_ms, manifest.timestep_ms)
     uniforms = chance.uniforms_of([*infants[0].senses, MOTOR].index(signal))
     return DelayLine(together, period, setup.body, uniforms, signal == MOTOR, kind)
 
 
 def delays_of(infant: InfantEnv, signal: str, count: int, bodies: IntArray | None = None) -> Delays:
     """Return the delay of each of *count* numbers of an infant's signal; equally many belong to each of *bodies*."""
-    model, timing = infant.model, timing_of(infant.manifest, infant.senses)
+    model = infant.model
+    timing = timing_of(infant.manifest, infant.senses)
     if signal == MOTOR:
         bodies = model.jnt_bodyid[model.actuator_trnid[infant.actuation.actuators, 0]]
     where = None if bodies is None else within(model, bodies.repeat(count // len(bodies)))

@@ -52,7 +52,7 @@ class Bound:
         self.infants, self.body = infants, setup.body  # The bodies, and which is in each world.
         self.task = DeviceTask(infants, setup.body)
         self.senses = {name: DeviceSense(name, setup, chance) for name in first.senses}
-        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(infants)]  # Of each body.
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(infants)]  # Spaces by body.
         self.actuators = put(first.actuation.actuators)
         self.commands = line_of(MOTOR, setup, len(self.actuators), chance, [None] * len(infants))
         commands: list[Any] = [infant.actuation.command for infant in infants]
@@ -107,8 +107,11 @@ class DeviceBatch:
 
     def __init__(self, infants: Sequence[InfantEnv], body_of_world: IntArray, options: DeviceOptions):
         self._options, self._device = options, wp.get_device()
-        manifest, models, count = infants[0].manifest, [infant.model for infant in infants], len(body_of_world)
-        self.period, self._timestep_s = to_steps(manifest.step_ms, manifest.timestep_ms), ms_to_s(manifest.timestep_ms)
+        manifest = infants[0].manifest
+        models = [infant.model for infant in infants]
+        count = len(body_of_world)
+        self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
+        self._timestep_s = ms_to_s(manifest.timestep_ms)
         self._fields = WorldsModel(models, body_of_world, changed_fields(infants))
         self.model = self._fields.warp
         pairs = self.model.nxn_geom_pair_filtered.numpy()
@@ -118,11 +121,12 @@ class DeviceBatch:
         present = self.room.present
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self._worlds, self.clock = device_worlds(self.data), put(0)
-        self.chance, self._drawn = CounterRandom(put(np.arange(count))), WeakKeyDictionary[InfantEnv, Any]()
+        self.chance = CounterRandom(put(np.arange(count)))
+        self._drawn = WeakKeyDictionary[InfantEnv, Any]()
         self.bound = self._bound(infants, body_of_world)  # What is sensed, commanded and judged now.
         self.arousal = self._aroused()
         self.ended = EpisodeEnds(infants, self.bound.body, options.max_episode_steps, options.autoreset_mode)
-        self.actions = torch.zeros_like(self.bound.commands.arrived)  # Of the present control step, shape (worlds, n).
+        self.actions = torch.zeros_like(self.bound.commands.arrived)  # Actions of this control step, shape (worlds, n).
         spaces: dict[str, Any] = dict(self.bound.spaces[0].items())
         self.observation = {
             name: put(np.zeros((count, *space.shape))).to(torch.uint8 if space.dtype == np.uint8 else torch.float32)
@@ -136,7 +140,8 @@ class DeviceBatch:
         bodies, has_moved = self._fields.fit(models, changed_fields(infants))
         if has_moved:
             self._graphs = {}  # They have the places of the former arrays in memory.
-        bound, kept = self._bound(infants, body_of_world), kept_in(self.slots())
+        bound = self._bound(infants, body_of_world)
+        kept = kept_in(self.slots())
         self.arousal.set(self.arousal.as_built)
         self._fields.write(bodies, worlds, body_of_world[worlds])
         place_fixed(self.data, models, worlds, body_of_world[worlds])
@@ -240,7 +245,8 @@ class DeviceBatch:
             raise DeviceError(f"task {task}: the last reward of infant {report[NO_REWARD] - 1} was no finite number")
         is_larger = self._make_room(self.room.after(report))
         if report[OVERFLOWED] > RARE * self.room.worlds and not is_larger:
-            infants, room = self.ended.overflowed.nonzero(), self.room.present
+            infants = self.ended.overflowed.nonzero()
+            room = self.room.present
             raise DeviceError(
                 f"contacts or constraints of {len(infants)} infants, such as {int(infants[0])}, did not fit in the last"
                 f" step, and there is no more room than contacts={room.contacts} and constraints={room.constraints}: "

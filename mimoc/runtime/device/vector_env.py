@@ -207,7 +207,8 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
         assignment = self.assignment.become(options_of({AGE: to}, self.num_envs))
         with present(self.device):
             self.worlds.settle()
-            former, worlds = self.assignment, assignment.changed(self.assignment)
+            former = self.assignment
+            worlds = assignment.changed(self.assignment)
             kept = kept_in(self._carried())
             states = states_of(kept)
             for world in worlds:
@@ -269,7 +270,8 @@ class DeviceEnv(InfantVectorEnv, VectorEnv[Any, Any, Any]):
             for infant in assignment.infants:
                 check_infant(infant)
             self.worlds.become(assignment.infants, assignment.body, worlds)
-            self.assignment, self._starts = assignment, {AS_BUILT: self.worlds.default_starts}
+            self.assignment = assignment
+            self._starts = {AS_BUILT: self.worlds.default_starts}
             self._ages = self._present_ages()
 
     def _carried(self) -> dict[Path, Slot]:

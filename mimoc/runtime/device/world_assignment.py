@@ -113,7 +113,7 @@ class WorldAssignment:
 
     infants: tuple[InfantEnv, ...]  # The different ones, each at the ages and in the scenes that some world has it at.
     body: IntArray  # Which of them it is, shape (worlds,).
-    source: IntArray  # Of which infant that the environment was made of it is an age, shape (worlds,).
+    source: IntArray  # Which of the environment's original infants it is an age of, shape (worlds,).
 
     def become(self, wanted: Sequence[Mapping[str, Any]], find: Find = variant_of_options) -> "WorldAssignment":
         """Return the assignment once worlds have the `age_months` and `scene_seed` that are wanted."""

@@ -136,7 +136,8 @@ def verify_bench(
     if not chosen:
         raise MimocError(f"{path}: has no scores of these tasks and ages; leave out --tasks and --ages")
     jobs = [(cell, every[cell], results.cells[cell.name].episodes) for cell in chosen]
-    finished, compared = _counter(jobs, progress), dict[str, list[str]]()
+    finished = _counter(jobs, progress)
+    compared = dict[str, list[str]]()
     for place, scores in run_jobs(score_cell, jobs, processes):
         name = chosen[place].name
         compared[name] = differences(results.cells[name], scores)

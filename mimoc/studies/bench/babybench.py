@@ -169,7 +169,9 @@ def run_babybench(
         PolicyError: If the policy does not fit the infant, or fails.
         OutputError: If the file cannot be written.
     """
-    spec, out, files = babybench_spec(behaviour), checked_file(out), digests_of([policy])
+    spec = babybench_spec(behaviour)
+    out = checked_file(out)
+    files = digests_of([policy])
     first = bench_table().seeds.test[0]
     with closing(InfantEnv(building.build(spec))) as env:
         env.reset(seed=first)
@@ -201,7 +203,8 @@ def _begun(env: InfantEnv, behaviour: str) -> Sequence[TouchLog | RegardLog]:
 
 def _run_episode(env: InfantEnv, act: Policy, seed: int, behaviour: str) -> tuple[Log, ...]:
     """Return the logs of an episode, which ends early only if the simulation becomes unstable."""
-    starting, generator = np.random.default_rng([seed, RANDOM_STEPS]), np.random.default_rng(seed)
+    starting = np.random.default_rng([seed, RANDOM_STEPS])
+    generator = np.random.default_rng(seed)
     observation, _ = env.reset(seed=seed)
     for _ in range(RANDOM_STEPS):
         command = starting.uniform(env.actuation.low, env.actuation.high).astype(np.float32)

@@ -144,13 +144,17 @@ class CellScores(Model):
 
 def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
     """Return the scores of a policy in the first test episodes; raise a MimocError if it does not fit, or fails."""
-    bundle, states, successes = building.build(cell.spec), sha256(), 0
+    bundle = building.build(cell.spec)
+    states = sha256()
+    successes = 0
     returns, efforts, movements, distances = list[float](), list[float](), list[Movement](), list[float]()
     with closing(InfantEnv(bundle)) as env:
         act = bound_policy(env, policy)
         for number in range(episodes):
             seed = bench_table().seeds.test[0] + number
-            generator, seen, paths_m = np.random.default_rng(seed), Film(), list[FloatArray]()
+            generator = np.random.default_rng(seed)
+            seen = Film()
+            paths_m = list[FloatArray]()
             observation, _ = env.reset(seed=seed)
             start_again(act)
             limbs = (*env.manifest.anatomy.arms, *env.manifest.anatomy.legs)
@@ -160,13 +164,16 @@ def score_cell(cell: Cell, policy: str, episodes: int) -> CellScores:
                 if cell.row.likeness:
                     seen.watch(env)
                 observation, reward, terminated, truncated, info = env.step(act(generator, observation))
-                total, ended, success = total + float(reward), terminated or truncated, bool(info["is_success"])
+                total = total + float(reward)
+                ended = terminated or truncated
+                success = bool(info["is_success"])
                 efforts.append(env.effort())
                 states.update(env.data.qpos.tobytes() + env.data.qvel.tobytes())
                 paths_m.append(env.data.xipos[ends].copy())
             returns.append(total)
             successes += success
-            step_s, places_m = ms_to_s(env.manifest.step_ms), np.array(paths_m)
+            step_s = ms_to_s(env.manifest.step_ms)
+            places_m = np.array(paths_m)
             for limb in range(len(ends)):
                 movements += movements_in(places_m[:, limb], step_s)
             if cell.row.likeness:

@@ -59,7 +59,10 @@ def do_on(cluster: Cluster, tasks: Iterable[Task], store: Store, done: Done) -> 
     A task that ends before its jobs are done is begun again with those that are left. A job fails that had begun when
     its task was killed, and had again the next time; all jobs of a task do that was cancelled.
     """
-    waiting, running, finished, again = deque(tasks), dict[str, Task](), 0, _Again(store)
+    waiting = deque(tasks)
+    running = dict[str, Task]()
+    finished = 0
+    again = _Again(store)
     try:
         while waiting or running:
             free = cluster.room - len(running)
@@ -86,7 +89,8 @@ def tasks_of(jobs: Sequence[Job], jobs_per_task: int | None) -> list[Task]:
     """Return tasks of neighbouring jobs, as many to a task as asked for; by default one if it takes long, else 50."""
     tasks: list[Task] = []
     for is_long, alike in groupby(jobs, lambda job: job.step in LONG_STEPS):
-        some, size = tuple(alike), jobs_per_task or (1 if is_long else JOBS_PER_TASK)
+        some = tuple(alike)
+        size = jobs_per_task or (1 if is_long else JOBS_PER_TASK)
         tasks += [some[start : start + size] for start in range(0, len(some), size)]
     return tasks
 

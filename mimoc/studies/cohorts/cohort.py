@@ -190,11 +190,14 @@ class Cohort:
         """
         if not 0 <= index < of:
             raise MimocError(f"there is no share {index} of {of}; count shares from 0 to {of - 1}")
-        engine, store, share = find_engine(on, options), Store(Path(out).expanduser()), self.jobs()[index::of]
+        engine = find_engine(on, options)
+        store = Store(Path(out).expanduser())
+        share = self.jobs()[index::of]
         self.check_steps()
         store.create(self.spec.cohort)
         todo = store.missing(share)
-        ready, report = len(share) - len(todo), progress or (lambda done, total: None)
+        ready = len(share) - len(todo)
+        report = progress or (lambda done, total: None)
         report(ready, len(share))
         if todo:
             engine(todo, store, options, lambda done: report(ready + done, len(share)))
@@ -241,7 +244,8 @@ class Cohort:
             MimocError: If the folder is not that of a cohort.
             MissingExtraError: If pyarrow is not installed; the CSV is there then.
         """
-        rows, folder = self.rows(out, progress=progress), Path(out).expanduser()
+        rows = self.rows(out, progress=progress)
+        folder = Path(out).expanduser()
         written = [write_csv(rows, folder)]
         return [*written, write_parquet(rows, folder)] if parquet else written
 

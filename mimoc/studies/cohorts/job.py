@@ -111,7 +111,8 @@ def import_function(name: str, folder: str) -> Callable[..., Any]:
     """Return a function named as `module:function`, perhaps in a folder; raise a MimocError if there is none."""
     module_name, _, function = name.partition(":")
     with _found_in(folder):
-        known, wanted = sys.modules.get(module_name), _beside(module_name, folder)
+        known = sys.modules.get(module_name)
+        wanted = _beside(module_name, folder)
         if known and wanted and getattr(known, "__file__", None) != wanted.origin:
             del sys.modules[module_name]  # It is from elsewhere, such as from beside another cohort file.
         try:

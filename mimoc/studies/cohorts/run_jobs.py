@@ -195,7 +195,8 @@ def milestones(work: JobContext) -> Measures:
     from mimoc.studies.milestones.search import search_near
     from mimoc.studies.milestones.trial import Conditions
 
-    conditions, options = Conditions(delays=work.job.options["delays"]), work.job.options
+    conditions = Conditions(delays=work.job.options["delays"])
+    options = work.job.options
     ages = {name: search_near(work.spec, conditions, name).youngest_months for name in options["trials"]}
     return {**measure_child(work), **{MILESTONE_AGES[name].name: age for name, age in ages.items()}}
 

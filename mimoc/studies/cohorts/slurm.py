@@ -34,7 +34,8 @@ PATIENCE_S = 1800.0  # How long to wait for a controller that does not answer.
 
 def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
     """Do jobs as tasks of arrays; raise a MimocError if SLURM refuses them, or does not answer for long."""
-    shared, tasks = Store(store.folder.resolve()), tasks_of(jobs, options.get("jobs_per_task"))
+    shared = Store(store.folder.resolve())
+    tasks = tasks_of(jobs, options.get("jobs_per_task"))
     folder = Path(tempfile.mkdtemp(prefix="run-", dir=make_folder(shared.folder / "slurm", below=shared.folder)))
     try:
         do_on(_Slurm(shared, folder, options), tasks, shared, done)
@@ -58,7 +59,9 @@ class _Slurm:
     room = ARRAY
 
     def __init__(self, store: Store, folder: Path, options: Mapping[str, Any]):
-        self._store, self._running, self._poll_s = store, set[str](), POLLS_S[0]
+        self._store = store
+        self._running = set[str]()
+        self._poll_s = POLLS_S[0]
         self._executor = submitit.SlurmExecutor(folder=folder)
         asked = {
             "partition": options.get("partition"),

@@ -55,7 +55,8 @@ def rows_of(
     factors = _union([job.factors for job in jobs])
     taken = {*COLUMNS, *factors}
     columns = {f"measured.{name}" if name in taken else name: name for name in (*shown, *others)}
-    options, libraries = varied_options(jobs), _union([result.versions for result in results])
+    options = varied_options(jobs)
+    libraries = _union([result.versions for result in results])
     rows = []
     for job, result in pairs:
         failed = result.status == "failed"

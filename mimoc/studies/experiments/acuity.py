@@ -21,10 +21,23 @@ from mimoc.schema.names import Development
 from mimoc.studies.experiment import Experiment, Measured, Results, Table, child
 from mimoc.studies.notebook import PAGES, markdown_table, months_text
 
-WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enough for the acuity at two years.
 FOVY_DEG = VisionSpec().fovy_deg
+PROFILE = VisionSpec().acuity_profile
+
+WIDTH_PX, HEIGHT_PX = 8, 2048  # Size of an image of horizontal bars: fine enough for the acuity at two years.
 MEAN, AMPLITUDE = 127.5, 120.0  # Mean and amplitude of a grating's brightness, in a range of 0 to 255.
 SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
+
+PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
+SEED = 4  # Seed of the room.
+SIDE = "left"  # Side of the eye.
+DOWN_DEG = 35.0  # Downward gaze, towards the toys.
+SIZE_PX, QUICK_SIZE_PX = 176, 64  # Size of each view.
+MIDDLE_TIMES = 4  # Magnification of the middle of the view in the last row.
+COLOURS = 256  # Number of colours of the figure, which makes its file a third as large.
+FOVEATION = "strength of the foveation that is shown"  # Name of the paper's figure.
+HALF = 0.5  # The grating nearest to this share of the acuity is compared with the paper.
+HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]  # Ages of the curves, in steps of half a month.
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,25 +70,13 @@ def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
     seen_by = filters(eye, FOVY_DEG)
     half_cycle_cpd = pixels_per_degree(HEIGHT_PX, FOVY_DEG) / (2 * HEIGHT_PX)
     for share in SHARES_OF_ACUITY:
-        half_cycles = max(1, round(share * acuity_cpd / half_cycle_cpd))  # Whole ones have no effects at the border.
+        # A whole number of half cycles has no effects at the border.
+        half_cycles = max(1, round(share * acuity_cpd / half_cycle_cpd))
         wave = np.cos(np.pi * half_cycles * (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
         grating = np.rint(MEAN + AMPLITUDE * wave).astype(np.uint8)
         seen = perceive(np.broadcast_to(grating[None, :, None, None], (1, HEIGHT_PX, WIDTH_PX, 3)), seen_by)
-        left, shown = (float(picture.astype(float) @ wave) for picture in (seen[0, :, 0, 0], grating))
-        yield Transfer(age_months, acuity_cpd, half_cycles * half_cycle_cpd, left / shown)
-
-
-PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
-PROFILE = VisionSpec().acuity_profile
-SEED = 4  # Seed of the room.
-SIDE = "left"  # Side of the eye.
-DOWN_DEG = 35.0  # Downward gaze, towards the toys.
-SIZE_PX, QUICK_SIZE_PX = 176, 64  # Size of each view.
-MIDDLE_TIMES = 4  # Magnification of the middle of the view in the last row.
-COLOURS = 256  # Number of colours of the figure, which makes its file a third as large.
-FOVEATION = "strength of the foveation that is shown"  # Name of the paper's figure.
-HALF = 0.5
-HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
+        before, after = (float(picture.astype(float) @ wave) for picture in (grating, seen[0, :, 0, 0]))
+        yield Transfer(age_months, acuity_cpd, half_cycles * half_cycle_cpd, after / before)
 
 
 def try_gratings(age_months: float, seed: int) -> list[Transfer]:
@@ -84,12 +85,12 @@ def try_gratings(age_months: float, seed: int) -> list[Transfer]:
 
 
 def _gratings(results: Results) -> list[Transfer]:
-    return [item for (items,) in results.by_case.values() for item in items]
+    return [transfer for (of_age,) in results.by_case.values() for transfer in of_age]
 
 
 def _measured(results: Results) -> Measured:
     measured = _gratings(results)
-    half = min(measured, key=lambda item: abs(item.frequency_cpd / item.acuity_cpd - HALF))
+    half = min(measured, key=lambda transfer: abs(transfer.frequency_cpd / transfer.acuity_cpd - HALF))
     acuities = {
         f"acuity at {months_text(age)} [cycles/degree], `mimo_v2`": acuity_at(age, "mimo_v2") for age in PAPER_MONTHS
     }
@@ -108,7 +109,8 @@ def _size_px(results: Results) -> int:
 
 def _sheet(results: Results) -> bytes:
     """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
-    infant, size_px = next(infants(results.notebook.law)), _size_px(results)
+    infant = next(infants(results.notebook.law))
+    size_px = _size_px(results)
     whole, finer = (
         compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
         for times in (1, MIDDLE_TIMES)
@@ -132,22 +134,24 @@ def _plots(results: Results) -> list[Plot]:
     profiles = {profile: [acuity_at(age_months, profile) for age_months in HALF_MONTHS] for profile in PROFILES}
     lines = tuple(Line(HALF_MONTHS, acuities_cpd, profile) for profile, acuities_cpd in profiles.items())
     by_profile = Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), lines, title="Acuity by age")
-    return [_csf_plot([items for (items,) in results.by_case.values()]), by_profile]
+    return [_csf_plot([of_age for (of_age,) in results.by_case.values()]), by_profile]
 
 
 def _csf_plot(by_age: Sequence[Sequence[Transfer]]) -> Plot:
     lines, dots = [], []
-    for results in by_age:
-        label = months_text(results[0].age_months)
-        lines.append(Line((0, results[0].acuity_cpd), (1, 0), label))
-        dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
+    for of_age in by_age:
+        label = months_text(of_age[0].age_months)
+        frequencies_cpd = [transfer.frequency_cpd for transfer in of_age]
+        lines.append(Line((0, of_age[0].acuity_cpd), (1, 0), label))
+        dots.append(Dots(frequencies_cpd, [transfer.measured for transfer in of_age], label))
     x = Quantity("frequency_cpd", "Spatial frequency", "cycles/degree")
     y = Quantity("contrast", "Remaining contrast")
     return Plot(x, y, tuple(lines), dots=tuple(dots), title="Contrast sensitivity")
 
 
 def _numbers(results: Results) -> dict[str, object]:
-    measured, size_px = _gratings(results), _size_px(results)
+    measured = _gratings(results)
+    size_px = _size_px(results)
     rows = (
         [f"{age_months:g}", *(f"{acuity_at(age_months, profile):.2f}" for profile in PROFILES)]
         for age_months in PAPER_MONTHS
@@ -161,7 +165,7 @@ def _numbers(results: Results) -> dict[str, object]:
         "profile": PROFILE,
         "table": markdown_table(("months", *(f"`{profile}` [cycles/degree]" for profile in PROFILES)), rows),
         "count": len(measured),
-        "error": max(abs(item.measured - item.law) for item in measured),
+        "error": max(abs(transfer.measured - transfer.law) for transfer in measured),
         "fovy": FOVY_DEG,
         "size": size_px,
         "shown": size_px / (2 * FOVY_DEG),
@@ -179,7 +183,10 @@ EXPERIMENT = Experiment(
         "profiles.csv": _profiles,
         "gratings.csv": lambda results: (
             "age_months,acuity_cpd,frequency_cpd,law,measured",
-            ((it.age_months, it.acuity_cpd, it.frequency_cpd, it.law, it.measured) for it in _gratings(results)),
+            (
+                (transfer.age_months, transfer.acuity_cpd, transfer.frequency_cpd, transfer.law, transfer.measured)
+                for transfer in _gratings(results)
+            ),
         ),
         "csf.png": _plots,
     },

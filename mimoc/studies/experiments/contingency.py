@@ -37,9 +37,9 @@ EXPECTED = len(LIMBS) ** -0.5
 """Standard deviation of what one limb may predict, before any experience: that all of them together predict all."""
 FORGETTING_S = 300.0  # Time constant in which experience loses its worth; fitted.
 EFFORT = 10.0  # Logarithm of the gain of a limb that predicts reward fully; fitted.
-MOST = 3.0  # Standard deviations beyond which nothing counts more.
+MAX_SD = 3.0  # Standard deviations beyond which nothing counts more.
 EXPECTING_S = 60.0  # Time constant of the means and variances that are expected; a guess.
-LARGEST = float(np.log(4.0))  # Of the logarithm of a gain; a guess.
+LARGEST = float(np.log(4.0))  # Largest logarithm of a gain; a guess.
 SMALLEST_REWARD = 1e-4  # Reward below which nothing is seen to move, [m/s].
 
 
@@ -47,7 +47,9 @@ class Expected:
     """Running mean and variance of some numbers: the plain ones at first, later those of the last minute."""
 
     def __init__(self, size: int):
-        self._mean, self._variance, self._count = np.zeros(size), np.zeros(size), 0
+        self._mean = np.zeros(size)
+        self._variance = np.zeros(size)
+        self._count = 0
 
     def standardised(self, values: FloatArray) -> FloatArray:
         """Return how many standard deviations values are above what was expected, shape (n,), and expect them more."""
@@ -95,10 +97,10 @@ class GainLearner:
         keep = np.exp(-WINDOW_S / FORGETTING_S)
         self.strengths = keep * self.strengths
         self._covariance = keep**2 * self._covariance + (1.0 - keep**2) * EXPECTED**2 * np.eye(len(LIMBS))
-        moved = np.clip(self._movement.standardised(movement), -MOST, MOST)
+        moved = np.clip(self._movement.standardised(movement), -MAX_SD, MAX_SD)
         if reward < SMALLEST_REWARD:
             return
-        surprise = np.clip(self._reward.standardised(np.array([reward])), -MOST, MOST)
+        surprise = np.clip(self._reward.standardised(np.array([reward])), -MAX_SD, MAX_SD)
         shared = self._covariance @ moved
         share = shared / (moved @ shared + 1.0)
         self.strengths = self.strengths + share * (surprise - self.strengths @ moved)
@@ -109,7 +111,8 @@ class GainLearner:
 
 AGE_MONTHS = 3.0
 AROUSAL = 0.9
-"""Of an infant that lies under a mobile: fitted, so that it kicks about 10 times a minute before, as published."""
+"""Arousal of an infant that lies under a mobile: fitted, so that it kicks about 10 times a minute before, as
+published."""
 PARTNER = 1000  # Added to the seed of the second infant.
 CONDITIONS = ("contingent", "yoked")
 MINUTES = Quantity("minute", "Time", "min")
@@ -265,7 +268,9 @@ def tied_session(case: Phases, seed: int, others_m_s: Sequence[float] | None) ->
         mover, learner = Mover(env, seed), GainLearner()
         env.set_arousal(AROUSAL)
         tie_ribbon(env, float(np.median([ribbon_m(env) for _ in mover.steps(TYING_S)])))
-        film, rewards_m_s, gains = Film(), list[float](), list[FloatArray]()
+        film = Film()
+        rewards_m_s = list[float]()
+        gains = list[FloatArray]()
         for _ in mover.steps(SETTLING_S):
             film.watch(env)
         shown = repeat(None) if others_m_s is None else iter(others_m_s)
@@ -287,7 +292,9 @@ def _of_legs(case: Phases, film: Filmed, gains: FloatArray, rewards_m_s: Sequenc
 
     Gains of each limb are those after each window, shape (windows, 6).
     """
-    last_s, values, traces = case.compared_s, dict[str, float](), dict[str, tuple[float, ...]]()
+    last_s = case.compared_s
+    values = dict[str, float]()
+    traces = dict[str, tuple[float, ...]]()
     learnt = slice(round((case.ends_s[1] - last_s) / WINDOW_S), round(case.ends_s[1] / WINDOW_S))
     for side, length in zip(SIDES, leg_lengths(trunk_paths(film.seen)), strict=True):
         times_s = np.array([kick.peak / RATE_HZ for kick in kicks_of(length, RATE_HZ)])
@@ -389,7 +396,7 @@ PHASES = ("baseline", "interaction", "still_face", "reunion")
 QUICK_CASE = Phases((20.0, 40.0, 20.0, 20.0), 60.0)
 BIN_S = 20.0  # Width of the bins of curves.
 DELAY_MS, PAUSE_MS = 400.0, 1500.0
-"""From a kick to the answer, and from then to the next: as long as a smile lasts; assumptions."""
+"""Time from a kick to the answer, and from then to the next: as long as a smile lasts; assumptions."""
 ATTENTION = 0.001
 """Reward of a face that looks and does not smile, so that less than a smile is learnt from, too; a guess."""
 LEG_LIMBS = [index for index, limb in enumerate(LIMBS) if not limb.endswith("arm")]
@@ -405,7 +412,7 @@ ASKED = {  # In how many pairs the first measure is larger.
     "fewer kicks before the still face": ("contingent_interaction", "contingent_still_face"),
     "more kicks again in the reunion": ("contingent_reunion", "contingent_still_face"),
 }
-DIGITS = {**dict.fromkeys(PHASES, 1), "leg_gain": 2, "arm_gain": 2, "answers": 2}  # Of means, by measure.
+DIGITS = {**dict.fromkeys(PHASES, 1), "leg_gain": 2, "arm_gain": 2, "answers": 2}  # Decimals of means, by measure.
 
 
 def answered_infant(case: Phases, yoked_s: Sequence[float]) -> Bundle:
@@ -431,7 +438,9 @@ def answered_session(case: Phases, seed: int, yoked_s: Sequence[float]) -> Sessi
     Rates of kicks are those at the end of each phase, gains those at the end of the interaction.
     """
     with closing(InfantEnv(answered_infant(case, yoked_s))) as env:
-        mover, learner, after = Mover(env, seed), GainLearner(), list[FloatArray]()
+        mover = Mover(env, seed)
+        learner = GainLearner()
+        after = list[FloatArray]()
         env.set_arousal(AROUSAL)
         for window in range(round(case.ends_s[-1] / WINDOW_S)):
             mover.set_gains(learner.gains, rates=True)

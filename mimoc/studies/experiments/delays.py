@@ -40,7 +40,7 @@ STEPS, QUICK_STEPS = 500_000, 40_960
 """Control steps of each training run: the paper's, and a number that takes minutes."""
 SEEDS, QUICK_SEEDS = (1, 2), (1,)
 EPISODES = 50  # Number of reaches of each trained infant; all of them reach for the same balls.
-SHOWN = 4  # Number of balls whose hand paths are plotted, for the infants of the first seed.
+MAX_PLOTTED = 4  # Number of balls whose hand paths are plotted, for the infants of the first seed.
 MONTHS: Sequence[float] = (4, 6, 9)  # Ages of the infants whose reaches are compared with those of real ones.
 REACHES, QUICK_REACHES = 20, 4  # Number of reaches of each, with each delay.
 REACH_S = 3.0  # Simulated time after which a reach is given up.
@@ -96,7 +96,8 @@ def measure(notebook: Notebook) -> Trained:
     runs = list(_runs(seeds))
     before = len(MONTHS) * len(DELAYS) + len(variants) * len(DELAYS_MS)
     total = before + steps * len(runs)
-    count, counted = QUICK_REACHES if notebook.quick else REACHES, notebook.counter(total)
+    count = QUICK_REACHES if notebook.quick else REACHES
+    counted = notebook.counter(total)
     late = late_reaches.reach_with_variants(variants, notebook.law, count, REACH_S, counted)
     reaches = late_reaches.reach_at_ages(MONTHS, count, REACH_S, counted)
     by_setup = _learners(notebook, steps, runs, before, total)
@@ -115,7 +116,7 @@ def _numbers(found: Trained) -> dict[str, object]:
         "seeds": len(found.seeds),
         "episodes": EPISODES,
         "beyond": EPISODES - len(found.first[0].reaches),
-        "shown": SHOWN,
+        "shown": MAX_PLOTTED,
         "table": table_rows(
             (delay, *(mean_and_range(group, measure) for measure in MEASURES)) for delay, group in groups.items()
         ),
@@ -246,7 +247,7 @@ def _paths(found: Trained) -> Table:
     return "delay_ms,seed,ball,time_s,x_m,y_m,z_m", (
         (item.group, item.seed, reach.seed, index * reach.duration_s / reach.steps, *place)
         for item in found.first
-        for reach in item.reaches[:SHOWN]
+        for reach in item.reaches[:MAX_PLOTTED]
         for index, place in enumerate(movement_of(reach).path_m.tolist())
     )
 
@@ -273,7 +274,7 @@ def _plots(found: Trained) -> list[Plot]:
         with closing(InfantEnv(reaching(found.law, float(item.group)))) as env:
             env.reset(seed=0)
             shoulder = env.data.body("right_upper_arm").xpos.copy()
-        for reach in item.reaches[:SHOWN]:
+        for reach in item.reaches[:MAX_PLOTTED]:
             ahead, _, up = 100 * (movement_of(reach).path_m - shoulder).T
             lines.append(Line(ahead, up, f"{item.group} ms"))
     x = Quantity("ahead_cm", "In front of the shoulder", "cm")

@@ -112,7 +112,8 @@ def comparison(
     youngest, oldest = ages_months
     stages = round((oldest - youngest) / STAGE_MONTHS) + 1
     schedules = "\n".join(f"- `{name}`: {meaning};" for name, meaning in COURSES.items()).removesuffix(";") + "."
-    count, others = len(groups["grown"]), [name for name in groups if name != "grown"]
+    count = len(groups["grown"])
+    others = [name for name in groups if name != "grown"]
     outcomes = {other: {name: _compared(groups, other, name) for name in MEASURES} for other in others}
     lines = "\n".join(
         f"- `grown` against `{other}`, {name}: {outcomes[other][name]}, {_change(groups, other, name):+.0%};"
@@ -139,7 +140,8 @@ def comparison(
 
 
 def _compared(groups: Groups, other: str, measure: str) -> str:
-    grown, others = _values(groups, "grown", measure), _values(groups, other, measure)
+    grown = _values(groups, "grown", measure)
+    others = _values(groups, other, measure)
     if max(grown) < min(others):
         return BETTER
     return WORSE if min(grown) > max(others) else SAME

@@ -63,7 +63,8 @@ def reach(case: Case, seed: int) -> ReachErrors:
 
 def sitting(development: Development) -> Bundle:
     """Return an infant that sits with its trunk held."""
-    actuation, scene = {"locked": ["trunk"]}, {"kind": "flat", "pose": "sitting", "held": ["hip"]}
+    actuation = {"locked": ["trunk"]}
+    scene = {"kind": "flat", "pose": "sitting", "held": ["hip"]}
     return building.build(child("reaching", AGE_MONTHS, development=development, actuation=actuation, scene=scene))
 
 

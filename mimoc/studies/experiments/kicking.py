@@ -73,7 +73,8 @@ def kicking(case: Case, seed: int) -> TrialResult:
 
 def _loop(film: Filmed) -> dict[str, tuple[float, ...]]:
     """Return the angles of hip and knee in the part of a film that has most kicks."""
-    leg, length = leg_lengths(trunk_paths(film.seen))[0], round(SHOWN_S * RATE_HZ)
+    leg = leg_lengths(trunk_paths(film.seen))[0]
+    length = round(SHOWN_S * RATE_HZ)
     peaks = [kick.peak for kick in kicks_of(leg, RATE_HZ)]
     starts = [max(0, min(peak - round(RATE_HZ), len(leg) - length)) for peak in peaks] or [0]
     start = max(starts, key=lambda first: sum(first <= peak < first + length for peak in peaks))
@@ -158,7 +159,9 @@ def _row(results: Results, measure: str) -> tuple[str, ...]:
 def _cell(results: Results, measure: str, case: Case) -> str:
     if not results.values(case, measure):
         return "none"
-    mean, published, verdict = results.mean(case, measure), PUBLISHED[measure][1], ""
+    mean = results.mean(case, measure)
+    published = PUBLISHED[measure][1]
+    verdict = ""
     if (ends := usual(measure)) and (published is None or published.holds_at(case.age_months)):
         verdict = " in" if ends[0] <= mean.mean <= ends[1] else " **out**"
     return mean.text(1 if mean.mean >= 5 else 2) + verdict

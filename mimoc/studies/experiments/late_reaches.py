@@ -25,7 +25,7 @@ DELAYS_MS: Sequence[float] = (0, 50, 200)  # Delays of the senses, the paper's.
 MOTOR_MS = 5.0  # Delay of commands, the paper's.
 AGE_MONTHS, STEP_MS = 18.0, 10.0
 OTHER_LAW: Mapping[Development, Development] = {"published": "maturing", "maturing": "published"}
-SEED = 1  # Of the targets, which are in the same directions for all infants.
+SEED = 1  # Seed of the targets, which are in the same directions for all infants.
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +157,8 @@ def _products(delay_ms: float) -> str:
 
 
 def _cell(same: Sequence[Reach]) -> str:
-    medians, arrived = _medians(same), np.mean([reach.arrived for reach in same])
+    medians = _medians(same)
+    arrived = np.mean([reach.arrived for reach in same])
     return (
         f"{arrived:.0%}, {medians['duration_s']:.2f} s, {medians['movement_units']:g} units, "
         f"{medians['path_ratio']:.2g} x"
@@ -275,7 +276,7 @@ def _by_age(groups: Sequence[Group], measure: str) -> Iterator[Line]:
         yield Line([group.age_months for group in same], medians, delay, "marked")
 
 
-LEAST_S = 0.4  # What reaches of infants last at least.
+MIN_S = 0.4  # What reaches of infants last at least.
 SMOOTHER = {"movement_units": -1, "path_ratio": -1, "spectral_arc_length": 1, "log_dimensionless_jerk": 1}
 """Measures of smoothness, and whether smoother movements have more (1) or less (-1) of them."""
 
@@ -321,8 +322,8 @@ def _of_own_delays(of_age: Sequence[Group]) -> dict[str, object]:
         "lasting_s": _range([round(median_s, 2) for median_s in medians_s]),
         "shortest_s": min(reach.duration_s for group in of_age for reach in group.reaches),
         "units": _range([group.median(MEASURES["movement_units"]) for group in of_age]),
-        "least_s": LEAST_S,
-        "long_enough": yes(min(medians_s) >= LEAST_S),
+        "least_s": MIN_S,
+        "long_enough": yes(min(medians_s) >= MIN_S),
         "gain": gains.mean(),
         "error": gains.std() / np.sqrt(len(gains)),
     }

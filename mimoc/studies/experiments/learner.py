@@ -128,7 +128,8 @@ def banded_plot(
     """
     lines, bands = [], []
     for label, (steps, values) in curves.items():
-        thousands, all_seeds = np.asarray(steps) / 1000, np.asarray(values)
+        thousands = np.asarray(steps) / 1000
+        all_seeds = np.asarray(values)
         lines.append(Line(thousands, all_seeds.mean(axis=0), label))
         bands.append(Band(thousands, all_seeds.min(axis=0), all_seeds.max(axis=0), label))
     return Plot(THOUSANDS, y, tuple(lines), tuple(bands), title=title, level=level)

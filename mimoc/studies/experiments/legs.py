@@ -144,8 +144,10 @@ class Mover:
         self._observation: Observation = env.reset(seed=seed)[0]
         self._moving = None if maker else Moving(batch_of_one(env))
         self._policy: Policy = maker(env) if maker else self._move_itself
-        self._generator, self._forces = np.random.default_rng(seed), forces
-        self._limbs, self._limbs_of_dofs = limb_of_actuators(env), limb_of_dofs(env.model)
+        self._generator = np.random.default_rng(seed)
+        self._forces = forces
+        self._limbs = limb_of_actuators(env)
+        self._limbs_of_dofs = limb_of_dofs(env.model)
         self._low, self._high = env.actuation.low, env.actuation.high
         self._rest = np.clip(0.0, self._low, self._high)
         self._gains = np.ones(len(LIMBS))
@@ -180,7 +182,8 @@ class Mover:
             slots, size = self._limbs_of_dofs + 1, len(LIMBS) + 1
             sums = np.bincount(slots, np.abs(self.env.data.qvel), size)
             speeds = (sums / np.maximum(np.bincount(slots, minlength=size), 1))[1:]
-            self._movement, self._since = self._movement + speeds, self._since + 1
+            self._movement = self._movement + speeds
+            self._since = self._since + 1
             yield self.env.data
 
     def take_movement(self) -> FloatArray:

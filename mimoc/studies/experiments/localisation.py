@@ -111,7 +111,8 @@ def _noises_us(heard: Sequence[Ears]) -> dict[str, float]:
 
 def _angles_deg(results: Results) -> dict[str, list[float]]:
     """Return the minimum audible angle at each age, by what the noise of the observer is fitted to."""
-    heard, trials = _heard(results), QUICK_TRIALS if results.notebook.quick else TRIALS
+    heard = _heard(results)
+    trials = QUICK_TRIALS if results.notebook.quick else TRIALS
     return {name: [judged_deg(ears, noise, trials) for ears in heard] for name, noise in _noises_us(heard).items()}
 
 
@@ -149,7 +150,8 @@ def _times_plot(heard: Sequence[Ears]) -> Plot:
 
 
 def _numbers(results: Results) -> dict[str, object]:
-    heard, angles_deg = _heard(results), list(_angles_deg(results).values())
+    heard = _heard(results)
+    angles_deg = list(_angles_deg(results).values())
     fitted_us, timed_us = _noises_us(heard).values()
     published = [PUBLISHED_DEG[ears.age_months] for ears in heard]
     needed_us = [

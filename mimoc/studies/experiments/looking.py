@@ -62,7 +62,8 @@ class Seen:
 def looking_infant(eyes: Eyes) -> Bundle:
     """Return an average child that sits, held by hip, chest and head, and looks straight ahead."""
     size = {"width_px": eyes.size_px, "height_px": eyes.size_px, "fovy_deg": eyes.fovy_deg}
-    senses, actuation = {"vision": {**size, **dict(eyes.keys)}}, {"locked": ["eyes", "neck"]}
+    senses = {"vision": {**size, **dict(eyes.keys)}}
+    actuation = {"locked": ["eyes", "neck"]}
     scene = {"kind": "empty", "pose": "sitting", "held": ["hip", "chest", "head"]}
     spec = child("looking", eyes.age_months, senses=senses, actuation=actuation, scene=scene)
     return building.builder(spec)(0, check=False)
@@ -75,7 +76,8 @@ class CardTrial:
     """
 
     def __init__(self, eyes: Eyes, frequency_cpd: float):
-        bundle, patch_deg = looking_infant(eyes), math.degrees(PATCH_M / eyes.distance_m)
+        bundle = looking_infant(eyes)
+        patch_deg = math.degrees(PATCH_M / eyes.distance_m)
         cycles = max(1, round(frequency_cpd * patch_deg))
         self.frequency_cpd = cycles / patch_deg
         """Frequency of the grating: the next with whole cycles, whose mean is the grey of the card."""
@@ -193,10 +195,10 @@ USUAL_CPD: Sequence[float] = (0.2, 0.3, 0.4, 0.44, 0.48, 0.52)
 CONTRAST_CPD: Sequence[float] = (0.25, 0.5, 1.0, 2.0, 4.0)
 THRESHOLD_SHARES: Sequence[float] = np.geomspace(0.7, 1.6, 14).tolist()
 """Contrasts of gratings, relative to the entered threshold."""
-MOST_CONTRAST, PROBE = 0.85, 0.5
-"""Of a card at most, and of the one by which it is found out how much contrast pictures of it have."""
+MAX_CONTRAST, PROBE = 0.85, 0.5
+"""Largest contrast of a card, and that of the one by which it is found out how much contrast pictures of it have."""
 CUT_OFFS_CPD = {1.0: 2.4, 3.0: 4.0}
-"""Of Banks & Salapatek 1978, Invest Ophthalmol Vis Sci 17: 361, by preferential looking."""
+"""Cut-offs of Banks & Salapatek 1978, Invest Ophthalmol Vis Sci 17: 361, by preferential looking."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,7 +297,7 @@ def contrast_thresholds(age_months: float) -> Iterator[tuple[float, Threshold]]:
         with CardTrial(eyes, wanted_cpd) as trial:
             frequency_cpd = trial.frequency_cpd
             entered = 1 / float(sensitivity_at(np.array(frequency_cpd), peak, peak_cpd))
-            if entered * THRESHOLD_SHARES[-1] > MOST_CONTRAST:
+            if entered * THRESHOLD_SHARES[-1] > MAX_CONTRAST:
                 continue
             drawn_share = float(trial.look(PROBE).drawn[1]) / PROBE  # Textures are smoothed where they are drawn small.
             printed = [min(entered * share / drawn_share, 1.0) for share in THRESHOLD_SHARES]
@@ -347,7 +349,8 @@ def _contrast_plot(results: Results, ages: Sequence[float]) -> Plot:
     lines, dots = [], []
     for age in ages:
         items = [(at, item) for months, at, item in _contrasts(results) if months == age]
-        label, at = months_text(age), np.log2([frequency for frequency, _ in items])
+        label = months_text(age)
+        at = np.log2([frequency for frequency, _ in items])
         lines.append(Line(at, np.log10([1 / item.entered for _, item in items]), label))
         dots.append(Dots(at, np.log10([1 / item.measured for _, item in items]), label))
     x = Quantity("frequency", "Spatial frequency", "log2 of cycles/degree")

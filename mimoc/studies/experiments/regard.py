@@ -82,7 +82,8 @@ class Sight:
         """Return what of a thing is seen now by either eye, wherever it looks."""
         data, rows = self._env.data, list[tuple[float, float]]()
         for camera in self._cameras:
-            eye_m, ahead = data.cam_xpos[camera], -data.cam_xmat[camera].reshape(3, 3)[:, 2]
+            eye_m = data.cam_xpos[camera]
+            ahead = -data.cam_xmat[camera].reshape(3, 3)[:, 2]
             for geom in thing.geoms:
                 away_m = data.geom_xpos[geom] - eye_m
                 body = self._met(camera, eye_m, away_m)
@@ -231,7 +232,8 @@ def watch(case: Case, seed: int) -> TrialResult:
         closing(Pictures(lying(case.age_months, SIZE_PX))) as pictures,
     ):
         run = Run(env, POLICIES[case.condition], seed)
-        watcher, step_s = Watcher(env, pictures.entry), env.manifest.step_ms / 1000
+        watcher = Watcher(env, pictures.entry)
+        step_s = env.manifest.step_ms / 1000
         contrasts = list[tuple[float, float]]()
         for step in range(round(case.seconds / step_s)):
             run.step()
@@ -250,11 +252,14 @@ class Watcher:
     def __init__(self, env: InfantEnv, entry: VisionEntry):
         """Begin with an infant that has just been reset, and eyes as mature as *entry* says."""
         mobile = env.manifest.objects[0]
-        self._sight, self._data, self._step_s = Sight(env, entry), env.data, env.manifest.step_ms / 1000
+        self._sight = Sight(env, entry)
+        self._data = env.data
+        self._step_s = env.manifest.step_ms / 1000
         self._body, self._mobile = env.model.body(mobile.body).id, self._sight.thing(mobile.body, mobile.geoms)
         self._hands = [self._sight.thing(f"{side}_hand") for side in SIDES]
         self._noticed_deg = entry.noticed_deg or 90.0
-        self._angles_deg, self._instants = list[float](), list[Mapping[str, bool]]()
+        self._angles_deg = list[float]()
+        self._instants = list[Mapping[str, bool]]()
         self._depths_m = list[float]()
 
     def gaze(self) -> None:
@@ -379,7 +384,8 @@ def _answer(results: Results) -> str:
         return float(np.mean(values)) if values else float("nan")
 
     moving, looking = ([case for case in results.by_case if case.condition == name] for name in ("moves", "looks"))
-    ages, ends = [case.age_months for case in moving], (moving[0], moving[-1])
+    ages = [case.age_months for case in moving]
+    ends = (moving[0], moving[-1])
     kept = [100 * mean(case, "contrast_observed") / mean(case, "contrast_drawn") for case in (looking[0], looking[-1])]
     hands, near = ([mean(case, name) for case in ends] for name in ("hand_regarded", "hand_near"))
     return (

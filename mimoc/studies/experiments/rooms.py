@@ -79,7 +79,7 @@ class Inventory:
 
 def take_inventory(builder: Builder, seed: int) -> Inventory:
     """Return the contents of a spec's room for a seed; the infant must have arms."""
-    furnished = builder.furnished(seed)
+    furnished = builder.place_scene(seed)
     room = furnished.scene
     start = next(keyframe for keyframe in room.keyframes if keyframe.name == builder.spec.scene.pose)
     reach = reachable_floor(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
@@ -151,7 +151,8 @@ class Built:
 
 def build(development: Development, seed: int) -> Built:
     """Build and render the room of a seed."""
-    builder, start_s = _builder(development), perf_counter()
+    builder = _builder(development)
+    start_s = perf_counter()
     bundle = builder(seed, check=False)
     seconds = perf_counter() - start_s
     return Built(take_inventory(builder, seed), overview(bundle, *PICTURE_PX), seconds)
@@ -174,14 +175,14 @@ def _pictures(results: Results) -> bytes:
 def _measured(results: Results) -> Measured:
     rooms = _inventories(results)
     again = take_inventory(_builder(results.notebook.law), results.seeds[0])
-    near = sum(room.within_reach for room in rooms) / sum(len(room.toys) for room in rooms)
-    floor = mean(math.pi * room.reach.radius_m**2 / (room.size_m[0] * room.size_m[1]) for room in rooms)
+    share_of_toys = sum(room.within_reach for room in rooms) / sum(len(room.toys) for room in rooms)
+    share_of_floor = mean(math.pi * room.reach.radius_m**2 / (room.size_m[0] * room.size_m[1]) for room in rooms)
     return {
         "rooms of random size": yes(len({room.size_m for room in rooms}) > 1),
         "random textures of floor, ceiling and walls": yes(len({room.textures for room in rooms}) > 1),
         "infant at a random place away from the walls": yes(min(room.nearest_wall_m for room in rooms) >= CLEARANCE_M),
         "random number of toys": yes(len({len(room.toys) for room in rooms}) > 1),
-        "places within reach are likelier than others on the floor": yes(near > floor),
+        "places within reach are likelier than others on the floor": yes(share_of_toys > share_of_floor),
         "the same seed gives the same room": yes(rooms[0].toys == again.toys and rooms[0].size_m == again.size_m),
     }
 
@@ -193,8 +194,8 @@ def _room_cells(room: Inventory) -> tuple[Cell, ...]:
 
 
 def _toy_cells(room: Inventory, toy: ToyPlace) -> tuple[Cell, ...]:
-    what = (room.seed, toy.name, toy.category, toy.size_m, toy.mass_kg)
-    return (*what, toy.ahead_m, toy.left_m, toy.distance_m, int(toy.within_reach))
+    description = (room.seed, toy.name, toy.category, toy.size_m, toy.mass_kg)
+    return (*description, toy.ahead_m, toy.left_m, toy.distance_m, int(toy.within_reach))
 
 
 def _plots(results: Results) -> list[Plot]:
@@ -205,7 +206,7 @@ def _plots(results: Results) -> list[Plot]:
     distances = np.sort([toy.distance_m for toy in toys]) / reach.radius_m
     far = np.linspace(0, FARTHEST, 400)
     wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
-    shares = np.cumsum(wide_m * reach.density(wide_m))  # Of toys on an infinite floor, within each of these.
+    shares = np.cumsum(wide_m * reach.density(wide_m))  # Share of toys on an infinite floor within each of these.
     x = Quantity("right", "To the right", "reaches")
     y = Quantity("ahead", "Ahead", "reaches")
     dots = (Dots(around[:, 0], around[:, 1], "toys"),)
@@ -222,11 +223,13 @@ def _plots(results: Results) -> list[Plot]:
 
 
 def _numbers(results: Results) -> dict[str, object]:
-    rooms, seeds = _inventories(results), results.seeds
+    rooms = _inventories(results)
+    seeds = results.seeds
     times_ms = [1000 * built.seconds for built in results.by_case[results.notebook.law]]
     toys = [toy for room in rooms for toy in room.toys]
     depths_m, widths_m, heights_m = zip(*(room.size_m for room in rooms), strict=True)
-    counts, masses_g = [len(room.toys) for room in rooms], [1000 * toy.mass_kg for toy in toys]
+    counts = [len(room.toys) for room in rooms]
+    masses_g = [1000 * toy.mass_kg for toy in toys]
     return {
         "first": seeds[0],
         "last": seeds[-1],

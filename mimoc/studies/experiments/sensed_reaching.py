@@ -87,7 +87,8 @@ class Movement:
         if len(self.path_m) < MIN_STEPS or not speed.any():
             return float("nan")
         size = 2 ** (int(np.ceil(np.log2(len(speed)))) + PADDING)
-        frequencies_hz, magnitudes = np.fft.rfftfreq(size, self.step_s), np.abs(np.fft.rfft(speed, size))
+        frequencies_hz = np.fft.rfftfreq(size, self.step_s)
+        magnitudes = np.abs(np.fft.rfft(speed, size))
         magnitudes /= magnitudes.max()
         above = np.flatnonzero((frequencies_hz <= MAX_HZ) & (magnitudes >= MIN_MAGNITUDE))
         band = slice(above[0], above[-1] + 1)
@@ -181,9 +182,11 @@ def reach_once(
     It is given up after *most_s* of simulated time; the target is a *share* of the arm's length from the shoulder.
     """
     observation, _ = env.reset(seed=seed)
-    control, step_s = SensedController(env, gains), ms_to_s(env.manifest.step_ms)
+    control = SensedController(env, gains)
+    step_s = ms_to_s(env.manifest.step_ms)
     hand = env.data.body(control.hand)
-    target_m, path_m = place_in_front(env, generator, share), [hand.xipos.copy()]
+    target_m = place_in_front(env, generator, share)
+    path_m = [hand.xipos.copy()]
     control.aim(target_m)
     while (remaining_m := math.dist(path_m[-1], target_m)) > TOUCHED_M and len(path_m) * step_s <= most_s:
         observation, *_ = env.step(control(observation))

@@ -71,7 +71,10 @@ class AlternateSteps:
             for muscles in (BENDING, STRETCHING)
         )
         self._step_s = env.manifest.step_ms / 1000.0
-        self._size, self._since_s, self._next_s, self._turn = len(names), BURST_S, 0.0, 0
+        self._size = len(names)
+        self._since_s = BURST_S
+        self._next_s = 0.0
+        self._turn = 0
         self._strength = 0.0
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
@@ -224,7 +227,8 @@ def _plots(results: Results) -> Iterator[Plot]:
     loads_kg = QUICK_LOADS_KG if results.notebook.quick else LOADS_KG
     seconds = next(iter(results.by_case)).seconds
     means = [results.mean(StepCase(LOADED_MONTHS, seconds, weight_kg=load), RATE.name) for load in loads_kg]
-    rates, band = [mean.mean for mean in means], band_of(loads_kg, means, "", "band")
+    rates = [mean.mean for mean in means]
+    band = band_of(loads_kg, means, "", "band")
     line, dots = Line(loads_kg, rates, "", "median"), Dots(loads_kg, rates, "", "median")
     yield Plot(LOAD, RATE, (line,), (band,), (dots,), title=f"Steps by load at {LOADED_MONTHS:g} month")
 

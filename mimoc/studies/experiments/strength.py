@@ -280,7 +280,8 @@ def _muscle(results: Results) -> list[Effort]:
 
 
 def _sized(results: Results) -> dict[tuple[Behaviour, float], Effort]:
-    ages, law = _ages_of_sizes(results.notebook.law), results.notebook.law
+    ages = _ages_of_sizes(results.notebook.law)
+    law = results.notebook.law
     return {key: _of(results.by_case[Case(law, age)][0], key[0])[0] for key, age in ages.items()}
 
 

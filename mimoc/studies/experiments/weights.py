@@ -28,8 +28,10 @@ STEP_WEEKS: Sequence[float] = (4, 8)
 QUICK_STEP_WEEKS: Sequence[float] = (4,)
 SECONDS, QUICK_SECONDS = 40.0, 15.0
 STEP_SECONDS = 30.0
-LEAST = 0.1  # Least change of the range of the hip that mass alone is asked for at six weeks.
-STEP_LEAST = 0.2  # Least change of steps that is asked for each way.
+MIN_HIP_CHANGE = 0.1  # Mass alone is asked to lower the range of the hip by this share at six weeks.
+MIN_STEP_CHANGE = 0.2  # A measure of steps is asked to change by at least this share.
+EXPECTED_STEPS: Mapping[str, str] = {"weights": "less", "water": "more"}
+"""Whether there is to be more or less stepping than without, by case of `step_cases_of`."""
 PUBLISHED: Mapping[float, tuple[str, str]] = {
     6: ("less", "more"),
     12: ("more", "more"),
@@ -79,7 +81,9 @@ def move(case: Case | StepCase, seed: int) -> TrialResult:
         mover = Mover(env, seed)
         mover.set_gains(np.array([1.0 if limb.endswith("arm") else case.gain for limb in LIMBS]))
         film = mover.film(case.seconds)
-    body, angles_deg, values = trunk_paths(film.seen), joint_angles(film.space or film.seen), {}
+    body = trunk_paths(film.seen)
+    angles_deg = joint_angles(film.space or film.seen)
+    values = dict[str, float]()
     for side, length in zip(SIDES, leg_lengths(body), strict=True):
         low, high = np.percentile(angles_deg[f"{side}_hip"], [5.0, 95.0])
         values |= {
@@ -113,21 +117,24 @@ def _plots(results: Results) -> Iterator[Plot]:
     for measure in MEASURES:
         lines, bands, dots = [], [], []
         for side, label in zip(SIDES, ("leg with the weight", "other leg"), strict=True):
-            changes = {it.weeks: _changes(results, it, 1.0, side, measure.name) for it in _plain_kicks(results)}
-            means = {week: interval([100 * one for one in some]) for week, some in changes.items() if some}
-            known, middles = list(means), [mean.mean for mean in means.values()]
-            lines.append(Line(known, middles, label))
-            bands.append(band_of(known, list(means.values()), label))
-            dots.append(Dots(known, middles, label))
-        change = Quantity("change", f"{measure.label}: change by the weight", "%")
-        yield Plot(WEEK, change, tuple(lines), tuple(bands), tuple(dots), title=measure.label, level=0.0)
+            changes = {case.weeks: _changes(results, case, 1.0, side, measure.name) for case in _plain_kicks(results)}
+            intervals = {
+                week: interval([100 * change for change in of_seeds]) for week, of_seeds in changes.items() if of_seeds
+            }
+            weeks = list(intervals)
+            means = [percent.mean for percent in intervals.values()]
+            lines.append(Line(weeks, means, label))
+            bands.append(band_of(weeks, list(intervals.values()), label))
+            dots.append(Dots(weeks, means, label))
+        quantity = Quantity("change", f"{measure.label}: change by the weight", "%")
+        yield Plot(WEEK, quantity, tuple(lines), tuple(bands), tuple(dots), title=measure.label, level=0.0)
 
 
 def _numbers(results: Results) -> dict[str, object]:
     plain = _plain_kicks(results)
     steps = [case for case in results.by_case if isinstance(case, StepCase)]
     change = interval(_changes(results, plain[0], 1.0, "left", "hip_deg"))
-    holds = "does" if change.mean <= -LEAST else "does **not**"
+    holds = "does" if change.mean <= -MIN_HIP_CHANGE else "does **not**"
     return {
         "seconds": plain[0].seconds,
         "weight": 1000 * WEIGHT_KG,
@@ -136,7 +143,7 @@ def _numbers(results: Results) -> dict[str, object]:
         "gains": table_rows(_gain_rows(results, plain)),
         "answer": (
             f"At {plain[0].weeks:g} weeks, the weight alone changes the range of the hip of its leg by "
-            f"{change.text(percent=True)}: it {holds} lower it by the {LEAST:.0%} that were asked for."
+            f"{change.text(percent=True)}: it {holds} lower it by the {MIN_HIP_CHANGE:.0%} that were asked for."
         ),
         "step_seconds": steps[0].seconds,
         "steps": table_rows(_step_rows(results, steps[0].seconds)),
@@ -156,25 +163,25 @@ def _gain_rows(results: Results, plain: Sequence[Case]) -> Iterator[tuple[str, .
     for case in plain:
         for gain in _gains_at(case.weeks):
             changes = [_changes(results, case, gain, side, "speed_trunk_s") for side in SIDES]
-            ours = tuple(direction(some) for some in changes)
-            agrees = "unclear" if "unclear" in ours else "yes" if ours == PUBLISHED[case.weeks] else "no"
-            yield f"{case.weeks:g}", f"{gain:g}", *map(change_text, changes), ", ".join(ours), agrees
+            directions = tuple(direction(of_seeds) for of_seeds in changes)
+            agrees = "unclear" if "unclear" in directions else "yes" if directions == PUBLISHED[case.weeks] else "no"
+            yield f"{case.weeks:g}", f"{gain:g}", *map(change_text, changes), ", ".join(directions), agrees
 
 
 def _step_rows(results: Results, seconds: float) -> Iterator[tuple[str, ...]]:
     for week in QUICK_STEP_WEEKS if results.notebook.quick else STEP_WEEKS:
-        cases = step_cases_of(week * MONTHS_PER_WEEK, seconds)
+        step_cases = step_cases_of(week * MONTHS_PER_WEEK, seconds)
+        plain = step_cases["plain"]
+        weight_g = f"{1000 * step_cases['weights'].weight_kg:.0f} g"
         for measure in STEP_MEASURES:
-            weighted, wet = (_compared(results, cases["plain"], cases[it], measure.name) for it in ("weights", "water"))
-            verdicts = _verdict(direction(weighted, STEP_LEAST), "less"), _verdict(direction(wet, STEP_LEAST), "more")
-            mean = results.mean(cases["plain"], measure.name).text(1)
-            weight_g = f"{1000 * cases['weights'].weight_kg:.0f} g"
-            changes = map(change_text, (weighted, wet))
-            yield f"{week:g}", measure.heading, mean, weight_g, *changes, ", ".join(verdicts)
+            mean = results.mean(plain, measure.name).text(1)
+            changes = {name: _compared(results, plain, step_cases[name], measure.name) for name in EXPECTED_STEPS}
+            verdicts = [_verdict(direction(changes[name], MIN_STEP_CHANGE), EXPECTED_STEPS[name]) for name in changes]
+            yield f"{week:g}", measure.heading, mean, weight_g, *map(change_text, changes.values()), ", ".join(verdicts)
 
 
-def _verdict(shown: str, asked: str) -> str:
-    return "unclear" if shown == "unclear" else "yes" if shown == asked else "no"
+def _verdict(shown: str, expected: str) -> str:
+    return "unclear" if shown == "unclear" else "yes" if shown == expected else "no"
 
 
 EXPERIMENT = Experiment(

@@ -187,7 +187,8 @@ def validate_milestones(
     for age_months in ages or ages_of(infant):  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age(infant, age_months, checked=False))
-    usual, further = conditions or Conditions(), {trial.name for trial in FURTHER}
+    usual = conditions or Conditions()
+    further = {trial.name for trial in FURTHER}
 
     def report(child: InfantSpec) -> MilestoneReport:
         asked = {name: _searches(TRIALS[name], child) for name in names}

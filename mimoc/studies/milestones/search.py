@@ -144,7 +144,8 @@ def search_trials(
     progress: Progress | None = None,
 ) -> Mapping[str, SearchResult]:
     """Return what is found for each trial, by name, of one with sides also `arm_out:left`; progress is in ages."""
-    written, results = spec.model_dump_json(), dict[str, SearchResult]()
+    written = spec.model_dump_json()
+    results = dict[str, SearchResult]()
     cases = [Case(spec.development, name, tuple(ages), conditions, spec=written) for name in names]
     for place, result in _searched(cases, processes):
         results[names[place]] = result

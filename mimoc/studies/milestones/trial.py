@@ -254,7 +254,8 @@ def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, side: str
 
 def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = None) -> Outcome:
     """Return the outcome of an attempt."""
-    model, data = attempt.infant.model, mujoco.MjData(attempt.infant.model)
+    model = attempt.infant.model
+    data = mujoco.MjData(attempt.infant.model)
     data.qpos[:] = attempt.start.qpos
     mujoco.mj_forward(model, data)
     controls = _controls(attempt, conditions, data)
@@ -279,9 +280,11 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
 
 def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> Callable[[int], FloatArray]:
     """Return the function from a physics step to the controls that arrive in it, shape (nu,)."""
-    infant, angles = attempt.infant, attempt.infant.turned(attempt.start, attempt.goal_deg)
+    infant = attempt.infant
+    angles = attempt.infant.turned(attempt.start, attempt.goal_deg)
     target = attempt.target or (lambda data, time_s: angles)
-    gains, step_s = servo(infant, data, conditions.servo), infant.model.opt.timestep
+    gains = servo(infant, data, conditions.servo)
+    step_s = infant.model.opt.timestep
     if not conditions.delays:
         control = Controller(infant, gains, step_s)
         return lambda step: control(data, target(data, step * step_s))

@@ -91,7 +91,8 @@ def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
     below it, but leaves it free to sink or to rise.
     """
     squat, stand = (stance(infant, knee_deg, LEAN) for knee_deg in (DEEP_KNEE_DEG, 0.0))
-    start, end = squat.qpos[infant.angles].copy(), stand.qpos[infant.angles].copy()
+    start = squat.qpos[infant.angles].copy()
+    end = stand.qpos[infant.angles].copy()
     forward_m = float(squat.body("left_foot").xpos[0] - stand.body("left_foot").xpos[0])
     pitches = [float(2 * np.arctan2(data.qpos[5], data.qpos[3])) for data in (squat, stand)]
     forbidden = infant.parts_without(FEET)

@@ -223,13 +223,16 @@ def _report(
 ) -> MovementReport:
     sides = BOTH if has_like_sides(infant) else SIDES
     sided = [(*job, side) for job in jobs for side in (sides if TRIALS[job[0]].side else ("",))]
-    spec, results, rows = infant.model_dump_json(), dict[Job, Measured](), list[Row]()
+    spec = infant.model_dump_json()
+    results = dict[Job, Measured]()
+    rows = list[Row]()
     for place, result in run_jobs(try_movement, [(spec, *job) for job in sided], processes):
         results[sided[place]] = result
         progress(len(results), len(sided))
     for (name, age, side), result in ((job, results[job]) for job in sided):
         for measure in TRIALS[name].measures:
-            window, value = window_of(measure.name, age), result.values.get(measure.name)
+            window = window_of(measure.name, age)
+            value = result.values.get(measure.name)
             rows.append(Row(name, measure, age, value, window, result.reason, side))
     return MovementReport(infant.development, infant.actuation.model, rows)
 

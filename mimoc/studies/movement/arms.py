@@ -53,10 +53,12 @@ def arm_lift(infant: TrialInfant, pull: float = 0.0) -> float:
     resting = settled(infant, SETTLING_S)
     places = [int(infant.model.joint(f"robot:left_{name}").qposadr[0]) for name in JOINTS]
     targets = _targets(infant, resting, places)
-    data, step_s = again(infant, resting, moving=False), infant.model.opt.timestep
+    data = again(infant, resting, moving=False)
+    step_s = infant.model.opt.timestep
     data.act[:] = 0.0
     gains, drive = servo(infant, data), Drive(infant)
-    control, pull_n = Controller(infant, gains, step_s), pull * _pull_n(infant, resting)
+    control = Controller(infant, gains, step_s)
+    pull_n = pull * _pull_n(infant, resting)
     arm = np.isin(infant.model.actuator_trnid[:, 0], hinges_below(infant, "left_upper_arm"))
     shoulder, hand = (infant.model.body(name).id for name in ("left_upper_arm", _knuckles(infant)))
     heights = []
@@ -95,8 +97,11 @@ def _knuckles(infant: TrialInfant) -> str:
 
 def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> FloatArray:
     low, high = np.array([infant.model.joint(f"robot:left_{name}").range for name in JOINTS]).T
-    random, posture, knuckles = np.random.default_rng(SEED), mujoco.MjData(infant.model), _knuckles(infant)
-    shoulder_m, rest = resting.body("left_upper_arm").xpos.copy(), resting.qpos[places]
+    random = np.random.default_rng(SEED)
+    posture = mujoco.MjData(infant.model)
+    knuckles = _knuckles(infant)
+    shoulder_m = resting.body("left_upper_arm").xpos.copy()
+    rest = resting.qpos[places]
     best, best_score = rest, -np.inf
     for _ in range(SAMPLES):
         angles = random.uniform(low, high)
@@ -112,7 +117,8 @@ def _highest(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> 
 
 
 def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> Callable[[float], FloatArray]:
-    up, rest = _highest(infant, resting, places), resting.qpos[places]
+    up = _highest(infant, resting, places)
+    rest = resting.qpos[places]
     bent, lifted = rest.copy(), up.copy()
     bent[-1] = lifted[-1] = BENT_RAD
     keys = []
@@ -130,7 +136,8 @@ def _targets(infant: TrialInfant, resting: mujoco.MjData, places: list[int]) -> 
 
 
 def _measure_pulled(subject: Subject) -> Values:
-    free, pulled = arm_lift(subject.infant), arm_lift(subject.infant, PULL)
+    free = arm_lift(subject.infant)
+    pulled = arm_lift(subject.infant, PULL)
     return {"arm_pulled": pulled, "arm_pull_change": pulled / free - 1.0 if free > 0 else None}
 
 
@@ -184,14 +191,17 @@ class Reach:
 def reach(infant: TrialInfant, planned_s: float) -> Reach:
     """Return what comes of a reach by a target of least jerk, which the controller of the milestones follows."""
     held = infant.fixed([*infant.trunk_dofs(), *infant.dofs_of("head")])
-    data, hand = held.placed(0.0, SITTING_DEG, LAP_ABOVE_M), held.model.body("right_hand").id
+    data = held.placed(0.0, SITTING_DEG, LAP_ABOVE_M)
+    hand = held.model.body("right_hand").id
     start, end = held.turned(data, {}), held.turned(data, AHEAD_DEG)
     arrived = mujoco.MjData(held.model)
     arrived.qpos[:] = data.qpos
     arrived.qpos[held.angles] = end
     mujoco.mj_kinematics(held.model, arrived)
-    goal_m, step_s = arrived.xpos[hand].copy(), held.model.opt.timestep
-    control, trace = Controller(held, servo(held, data), step_s), [data.xpos[hand].copy()]
+    goal_m = arrived.xpos[hand].copy()
+    step_s = held.model.opt.timestep
+    control = Controller(held, servo(held, data), step_s)
+    trace = [data.xpos[hand].copy()]
     for step in range(round((planned_s + REACH_SETTLING_S) / step_s)):
         time = min(step * step_s / planned_s, 1.0)
         data.ctrl[:] = control(data, start + (10 * time**3 - 15 * time**4 + 6 * time**5) * (end - start))
@@ -257,7 +267,8 @@ def saccade(infant: TrialInfant, turn_deg: float) -> tuple[float | None, float |
 def _turn(held: TrialInfant, brake_s: float) -> tuple[float, float, float]:
     """Return how far an eye has turned when it stands again, when that is, and its peak speed."""
     data, peak_deg_s = held.placed(0.0, {}, ABOVE_M), 0.0
-    dof, step_s = int(held.model.joint(f"robot:{EYE}").dofadr[0]), held.model.opt.timestep
+    dof = int(held.model.joint(f"robot:{EYE}").dofadr[0])
+    step_s = held.model.opt.timestep
     for step, _ in enumerate(driven(held, data, AFTER_S, lambda time_s: {EYE: 1.0 if time_s < brake_s else -1.0})):
         time_s = step * step_s
         peak_deg_s = max(peak_deg_s, float(np.degrees(data.qvel[dof])))

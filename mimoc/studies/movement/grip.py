@@ -67,7 +67,8 @@ def hand_of(infant: TrialInfant) -> Hand:
     """Return the left hand of an infant, its fingers bent as far as they are when the rod is put in."""
     model = infant.model
     knuckle = next(name for name in KNUCKLES if has_joint(infant, name))
-    hand, closing_rad = in_subtrees(model, [model.body(HAND).id]), dict[str, float]()
+    hand = in_subtrees(model, [model.body(HAND).id])
+    closing_rad = dict[str, float]()
     for joint, name in zip(infant.joints, infant.joint_names, strict=True):
         if hand[model.jnt_bodyid[joint]] and name not in WRIST and not name.endswith(NOT_CLOSING):
             low, high = model.joint(f"robot:{name}").range
@@ -117,7 +118,8 @@ def gripping(infant: TrialInfant, hand: Hand) -> mujoco.MjData | None:
     Of places on a grid across the knuckles, inside the bend of the fingers, it is the one nearest to the knuckles where
     the rod touches no part of the hand.
     """
-    model, data = infant.model, infant.placed(0.0, hand.closed_deg, HAND_ABOVE_M)
+    model = infant.model
+    data = infant.placed(0.0, hand.closed_deg, HAND_ABOVE_M)
     parts = np.flatnonzero(in_subtrees(model, [model.body(HAND).id])[model.geom_bodyid])
     for place in sorted(_places(hand), key=lambda place: float(np.linalg.norm(place - hand.knuckle_m))):
         data.qpos[-3:] = place

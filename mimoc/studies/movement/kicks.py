@@ -52,9 +52,14 @@ def kick(infant: TrialInfant, start: mujoco.MjData, hip: float, knee: float) -> 
     The hip's is that of its flexors; above 0, the knee is stretched.
     """
     data = again(infant, start, moving=False)
-    before_deg, foot = angle_deg(infant, data, "left_hip1"), infant.model.body("left_foot").id
-    speeds, most_deg, fastest, seconds = [np.zeros(3)], -np.inf, 0.0, None
-    window, velocity = round(MEAN_S / infant.model.opt.timestep), np.zeros(6)
+    before_deg = angle_deg(infant, data, "left_hip1")
+    foot = infant.model.body("left_foot").id
+    speeds = [np.zeros(3)]
+    most_deg = -np.inf
+    fastest = 0.0
+    seconds = None
+    window = round(MEAN_S / infant.model.opt.timestep)
+    velocity = np.zeros(6)
     for time_s in driven(infant, data, KICK_S, {"left_hip1": -hip, "left_knee": knee}):
         mujoco.mj_objectVelocity(infant.model, data, mujoco.mjtObj.mjOBJ_XBODY, foot, velocity, 0)
         speeds.append(velocity[3:].copy())
@@ -196,7 +201,8 @@ def excursions(infant: TrialInfant, start: mujoco.MjData, share: float, seed: in
 
     Knees bend with half of the share of the hips' flexors. A seed makes each kick stronger or weaker by up to `UNEVEN`.
     """
-    data, cycles = again(infant, start, moving=False), int(KICKING_S / CYCLE_S) + 1
+    data = again(infant, start, moving=False)
+    cycles = int(KICKING_S / CYCLE_S) + 1
     uneven = np.random.default_rng(seed).uniform(1 - UNEVEN, 1 + UNEVEN, (cycles, 2)) if seed is not None else 1.0
     kicks = np.minimum(share * np.ones((cycles, 2)) * uneven, 1.0)
     trace = [
@@ -233,7 +239,8 @@ def _kick_shares(time_s: float, kicks: FloatArray) -> dict[str, float]:
 
 
 def _weighted(subject: Subject) -> Values:
-    infant, heavy = subject.infant, with_weights(subject.infant, WEIGHT_KG, ("left",))
+    infant = subject.infant
+    heavy = with_weights(subject.infant, WEIGHT_KG, ("left",))
     start, loaded = settled(infant, SETTLING_S), settled(heavy, SETTLING_S)
     share = usual_share(infant, start)
     plain = np.array([excursions(infant, start, share, seed) for seed in range(SEEDS)])
@@ -250,7 +257,8 @@ def _weighted(subject: Subject) -> Values:
 
 
 def _tilted(subject: Subject) -> Values:
-    start, supine = settled(subject.infant, SETTLING_S), tilted(subject.infant, 0.0)
+    start = settled(subject.infant, SETTLING_S)
+    supine = tilted(subject.infant, 0.0)
     share = usual_share(supine, start)
     plain = float(excursions(supine, start, share)[0])
     bodies = {name: tilted(subject.infant, tilt_deg) for name, tilt_deg in TILTS_DEG.items()}

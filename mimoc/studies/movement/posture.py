@@ -64,7 +64,8 @@ def _rest(subject: Subject) -> Values:
 
 
 def _fold(subject: Subject) -> Values:
-    infant, start = subject.infant, settled(subject.infant, SETTLING_S)
+    infant = subject.infant
+    start = settled(subject.infant, SETTLING_S)
     seen, true = zip(*(_folded(infant, start, knee) for knee in KNEES), strict=True)
     return {"fold_leg": min(seen), "fold_space": min(true)}
 
@@ -89,7 +90,9 @@ EVERY = 20  # Physics steps between two looks at the legs.
 
 def awake(infant: TrialInfant) -> Iterator[mujoco.MjData]:
     """Yield the state of an infant that lies awake and moves at random, after each physics step."""
-    data, drive, step_s = settled(infant, SETTLING_AWAKE_S), Drive(infant), infant.model.opt.timestep
+    data = settled(infant, SETTLING_AWAKE_S)
+    drive = Drive(infant)
+    step_s = infant.model.opt.timestep
     names = infant.joint_names
     steady = np.array(
         [HIP_DRIVE if name.endswith("_hip1") else KNEE_DRIVE if name.endswith("_knee") else 0.0 for name in names]
@@ -154,7 +157,8 @@ def places(data: mujoco.MjData) -> FloatArray:
     def middle(body: str) -> FloatArray:
         return np.mean([data.body(f"{side}_{body}").xpos[:2] for side in SIDES], axis=0)
 
-    hips, up = middle("upper_leg"), middle("upper_arm") - middle("upper_leg")
+    hips = middle("upper_leg")
+    up = middle("upper_arm") - middle("upper_leg")
     axes = np.array([up, (-up[1], up[0])]) / (up @ up)
     return np.array([axes @ (data.body(point).xpos[:2] - hips) for point in POINTS])
 

@@ -51,11 +51,14 @@ class Roller:
         Angles are from -1 to 1 for the ends of their ranges, shape (postures * joints,).
         """
         infant, model = self.infant, self.infant.model
-        data, drive = again(infant, self.start, moving=False), Drive(infant)
+        data = again(infant, self.start, moving=False)
+        drive = Drive(infant)
         angles, dofs = infant.angles[self.moved], infant.dofs[self.moved]
-        middle, half = (self._low + self._high) / 2, (self._high - self._low) / 2
+        middle = (self._low + self._high) / 2
+        half = (self._high - self._low) / 2
         postures = [data.qpos[angles].copy(), *(middle + half * sequence.reshape(POSTURES, -1))]
-        shares, every = np.zeros(len(infant.joints)), round(EVERY_S / model.opt.timestep)
+        shares = np.zeros(len(infant.joints))
+        every = round(EVERY_S / model.opt.timestep)
         for command in range(round(ROLLING_S / EVERY_S)):
             time_s = command * EVERY_S
             number = min(int(time_s / POSTURE_S), POSTURES - 1)

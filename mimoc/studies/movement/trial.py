@@ -65,7 +65,9 @@ class Drive:
         return np.clip(wanted, *self._infant.model.actuator_ctrlrange.T)
 
     def _of_servos(self, servos: ActuatorInverse, data: mujoco.MjData, shares: FloatArray) -> FloatArray:
-        infant, peaks_nm, torques_nm = self._infant, np.abs(self._limits).max(axis=0), np.zeros(len(shares))
+        infant = self._infant
+        peaks_nm = np.abs(self._limits).max(axis=0)
+        torques_nm = np.zeros(len(shares))
         lengths = self._gear * data.qpos[infant.angles][self._slots]
         bias = infant.model.actuator_biasprm - servos.biases
         tone_nm = self._gear * (bias[:, 0] + bias[:, 1] * lengths)

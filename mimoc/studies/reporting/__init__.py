@@ -64,7 +64,8 @@ def report(
         >>> mimoc.report("out/nine_months", "infant_report.html", check=False).name
         'infant_report.html'
     """
-    place, show = check_page(path), progress or (lambda done, total: None)
+    place = check_page(path)
+    show = progress or (lambda done, total: None)
     folder = Path(os.path.expanduser(source)) if isinstance(source, PATH) else None
     kind = next((name for name in (COHORT, RUN) if folder and (folder / name).is_file()), None)
     world = world_of(source) if kind is None and cohort is None else None

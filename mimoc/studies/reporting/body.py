@@ -132,7 +132,9 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
     place = partial(outline.at, scale=scale, foot=foot)
     joints = _spread(_joint_notes(bundle, outline, place))
     parts = _spread(_part_notes(bundle, model, outline, place))
-    lines, dots, labels = outline.shapes(scale, foot), list[Shape](), list[Shape]()
+    lines = outline.shapes(scale, foot)
+    dots = list[Shape]()
+    labels = list[Shape]()
     for notes, edge, side in ((joints, LEFT_TEXT, "end"), (parts, RIGHT_TEXT, "start")):
         for note, y in notes:
             turn = edge + (6 if side == "end" else -6)

@@ -46,7 +46,8 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
         jobs, damaged, shown = cohort.jobs(), (), cohort.spec.measure
     else:
         (jobs, damaged), shown = finished_jobs(store), ()
-    status, rows = status_of(jobs, store), rows_of(jobs, store, shown, progress)
+    status = status_of(jobs, store)
+    rows = rows_of(jobs, store, shown, progress)
     sections = [_jobs(status, damaged, is_whole=cohort is not None), children(jobs, store)]
     sections += [_results(rows), _versions(rows)]
     infants = len({str(sorted(job.factors.items(), key=str)) for job in jobs})

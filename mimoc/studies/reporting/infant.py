@@ -88,7 +88,9 @@ def infant_sections(
 
     Places on the page that sources refer to begin with *prefix*.
     """
-    model, sources, child = load_model(bundle), Sources(bundle, prefix), bundle.manifest.child
+    model = load_model(bundle)
+    sources = Sources(bundle, prefix)
+    child = bundle.manifest.child
     return [
         growth(child, sources),
         *([proportions(model, child, sources)] if with_proportions else []),
@@ -352,7 +354,8 @@ def _parts(model: mujoco.MjModel, world: WorldBundle) -> list[Part]:
     roots = {int(model.body(one.manifest.root_body).rootid[0]): name for name, one in world.infants.items()}
     parts = list[Part]()
     for geom, body in enumerate(model.geom_bodyid.tolist()):
-        owner, part = roots.get(int(model.body_rootid[body]), ""), model.body(body).name
+        owner = roots.get(int(model.body_rootid[body]), "")
+        part = model.body(body).name
         if owner:
             of_infant = world.infants[owner].manifest.of_infant
             parts.append((owner, f"{words.sentence(owner)}'s {words.name(of_infant(part))}"))

@@ -45,7 +45,8 @@ def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
     noisy = (
         Cell(f"SD {100 * share:.3g} % of the command", links=sources.links("noise.motor")) if share else Cell("none")
     )
-    action, late = Cell(f"action: {size} numbers", "code"), _delay(MOTOR, bundle, sources)
+    action = Cell(f"action: {size} numbers", "code")
+    late = _delay(MOTOR, bundle, sources)
     rows.append([Cell("Commands"), Cell(_commands(bundle)), action, late, noisy])
     about = TextBlock(ABOUT.format(step=manifest.timestep_ms, control=manifest.step_ms))
     blocks: tuple[Block, ...] = (about, table(("", "what it gives", "observation", "delay", "noise"), rows))

@@ -95,7 +95,8 @@ def _tiles(curve: Curve) -> Iterator[Tile]:
 
 
 def _plot(curve: Curve, quantity: Quantity) -> Plot:
-    known, so_far = _points(curve, quantity), _points(curve, SO_FAR.get(quantity))
+    known = _points(curve, quantity)
+    so_far = _points(curve, SO_FAR.get(quantity))
     last = float(max(curve.steps, 1))
     about = f"{quantity.title} by control steps of training"
     if known:

@@ -91,9 +91,11 @@ class Form:
         self._start = np.clip(start[kept], -1.0, 1.0) if recipe.stiffness_per_rad else np.zeros(len(kept))
         one_side = np.eye(len(self.joints))[[place for place, joint in enumerate(self.joints) if "left_" not in joint]]
         other_side = mirrored(self.joints, one_side)
-        alike, opposite = np.sign(one_side + other_side), np.sign(one_side - other_side)
+        alike = np.sign(one_side + other_side)
+        opposite = np.sign(one_side - other_side)
         # Postures in which both sides do the same, and in which they do the opposite, shape (b, n) each.
-        self._alike, self._opposite = alike[alike.any(axis=1)], opposite[opposite.any(axis=1)]
+        self._alike = alike[alike.any(axis=1)]
+        self._opposite = opposite[opposite.any(axis=1)]
         self._of_posture = self._alike if recipe.is_symmetric else np.eye(len(kept))
         self._of_sway = (self._alike, self._opposite) * 2 if recipe.sways else ()
 
@@ -108,7 +110,8 @@ class Form:
 
     def movement(self, vector: FloatArray) -> Postures:
         """Return the movement that a vector means, shape (v,)."""
-        parts, count = np.split(vector, np.cumsum(self.sizes)[:-1]), self.recipe.postures
+        parts = np.split(vector, np.cumsum(self.sizes)[:-1])
+        count = self.recipe.postures
         postures = [np.clip(self._start + part @ self._of_posture, -1.0, 1.0) for part in parts[:count]]
         sway = [SWAY_STEP * part @ basis for part, basis in zip(parts[count:], self._of_sway, strict=True)]
         return Postures(
@@ -191,7 +194,8 @@ class Searcher:
         """
         total, success = 0.0, False
         for step in rollout(self.env, lambda env: PosturePolicy(env, movement), episodes=1, seed=seed):
-            total, success = total + step.reward * step.number / (self.env.max_steps or 1), step.success
+            total = total + step.reward * step.number / (self.env.max_steps or 1)
+            success = step.success
         return total, success
 
     def success(self, movement: Postures, first: int, count: int) -> float:
@@ -213,7 +217,10 @@ def search(
     """
     searcher, random = Searcher(env), np.random.default_rng(seed)
     scale, first = searcher.form.scale(), FIRST_TRY * (seed + 1)
-    mean, spread, kept, curve = np.zeros(len(scale)), scale.copy(), list[Candidate](), list[float]()
+    mean = np.zeros(len(scale))
+    spread = scale.copy()
+    kept = list[Candidate]()
+    curve = list[float]()
     rounds = max(1, int(tries * (1 - CHECKED)) // DRAWS)
     while len(curve) < rounds and not any(
         len(candidate.successes) >= CHECKS and candidate.success >= PASSED for candidate in kept
@@ -228,7 +235,8 @@ def search(
         spread = np.maximum(spread + SMOOTHING * (vectors.std(axis=0) - spread), MIN_SPREAD * scale)
         curve.append(round(sum(candidate.score for candidate in kept) / KEPT, 3))
         progress(len(curve) * DRAWS)
-    tried, checks = len(curve) * DRAWS, min(int(tries * CHECKED), tries - len(curve) * DRAWS)
+    tried = len(curve) * DRAWS
+    checks = min(int(tries * CHECKED), tries - len(curve) * DRAWS)
     best, checked = best_of(searcher, [Candidate(mean), *kept], first + FIRST_CHECK, checks)
     movement = searcher.form.movement(best.vector)
     success = searcher.success(movement, FIRST_TEST, starts)
@@ -242,7 +250,9 @@ def best_of(searcher: Searcher, candidates: Sequence[Candidate], first: int, tri
     skill in most of these starts, or with the best score if that is as many. Each halving has the same share of all
     tries; without enough of them it is the first one.
     """
-    left, seed, tried = [Candidate(candidate.vector) for candidate in candidates], first, 0
+    left = [Candidate(candidate.vector) for candidate in candidates]
+    seed = first
+    tried = 0
     halvings = (len(left) - 1).bit_length()
     for _ in range(halvings):
         starts = range(seed, seed + tries // halvings // len(left))

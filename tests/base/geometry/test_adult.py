@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from mimoc.base.geometry.adult import SIDES, SIGNS, Adult, Palm, neck, reach
-from mimoc.base.geometry.reach import UP, lean
+from mimoc.base.geometry.reach import UP, leaning_pose
 from mimoc.base.geometry.rotations import direction, matrix_from_axis
 from mimoc.components.companions.body import PEAK, HandPath, minimum_jerk, turn_between, turned
 
@@ -41,7 +41,7 @@ def test_a_face_looks_at_the_other_and_the_body_is_above_the_floor(where, yaw_ra
     turn = matrix_from_axis((0, 0, 1), yaw_rad) @ matrix_from_axis((0, 1, 0), pitch_rad)
     face = np.array([0.2, -0.1, 0.3]), turn
     adult = Adult(1.0)
-    leaning = lean(adult.figure, face, where, to_left, distance_m, None)
+    leaning = leaning_pose(adult.figure, face, where, to_left, distance_m, None)
     head_m, head = leaning.head
     way_m = face[0] - (head_m + adult.figure.face_m * head[:, 0])
     assert head[:, 0] @ way_m == pytest.approx(np.linalg.norm(way_m))

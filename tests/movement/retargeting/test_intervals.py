@@ -9,7 +9,7 @@ from support.retargeting import known_motions, problem_and_state, setting
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.movement.retargeting.fitting import NormalEquations
-from mimoc.movement.retargeting.postures import spread_of_alike
+from mimoc.movement.retargeting.postures import AngleBounds, Scale, spread_of_alike
 from mimoc.movement.retargeting.prior import Usual, chain, usual_of
 from mimoc.movement.retargeting.result import QUANTILE, Interval
 from mimoc.movement.retargeting.setting import CALIBRATED, Noise, problem_of
@@ -89,7 +89,8 @@ def test_the_turn_of_an_arm_is_seen_by_its_bent_elbow_only():
 def spread(whole, problem, x):
     """Return the spread of postures that look like *x*."""
     usual = np.array([item.sd for item in usual_of(whole.hinges)[ROOT:]])
-    bounds, scale = (usual, problem.low, problem.high), (whole.recording.trunk, whole.start.height_m, problem.rate_hz)
+    bounds = AngleBounds(usual, problem.low, problem.high)
+    scale = Scale(whole.recording.trunk, whole.start.height_m, problem.rate_hz)
     return spread_of_alike(problem.skeleton, problem.shape, problem.observed, x, bounds, scale, problem.mean[0, ROOT:])
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 import mimoc
 from mimoc.base.errors import PolicyError, UnknownNameError
 from mimoc.compiler.explain import entries_of
-from mimoc.compiler.presets import LEAST_MS, SACCADE_MS
+from mimoc.compiler.presets import MIN_MS, SACCADE_MS
 from mimoc.policies.behaviours.behaviour import Option, Reaction, place_of, reaction_of, read_arguments
 from mimoc.policies.rollout import Run
 from mimoc.policies.spec import parse_policy
@@ -172,6 +172,6 @@ def test_a_target_that_jumps_is_followed_to_where_it_was_until_the_infant_reacts
 def test_decisions_are_explained_and_never_quicker_than_60_ms(age_months):
     bundle = mimoc.build(spec(age_months, delays={"vision_ms": 0, "motor_ms": 200, "processing": "adult"}))
     entries = entries_of(bundle)
-    assert bundle.manifest.delays.processing.look_ms == LEAST_MS
-    assert entries["delays.processing.look_ms"]["value"] == LEAST_MS
+    assert bundle.manifest.delays.processing.look_ms == MIN_MS
+    assert entries["delays.processing.look_ms"]["value"] == MIN_MS
     assert entries["delays.processing.reach_ms"]["from"][0] == "spec.delays.processing"

@@ -14,7 +14,7 @@ from mimoc.policies.reflexes.binding import Reflexes
 from mimoc.policies.reflexes.repertoire import REFLEXES
 
 Trace = dict[str, np.ndarray]
-MOST_RAD = 0.9
+MAX_RAD = 0.9
 """How far an examiner tips an infant over."""
 
 
@@ -79,7 +79,7 @@ def tip(pitch: float = 0.0, roll: float = 0.0):
         examiner.start("sitting", 0.05, is_held=True)
 
         def hold(time_s):
-            angle = MOST_RAD * min(1.0, max(0.0, time_s - 0.2) / 0.5)
+            angle = MAX_RAD * min(1.0, max(0.0, time_s - 0.2) / 0.5)
             return examiner.hold(pitch * angle, roll * angle)
 
         return hold

@@ -49,7 +49,7 @@ SMALL = {
         "QUICK_SEEDS": (1,),
         "DELAYS_MS": (0, 50),
         "EPISODES": 1,
-        "SHOWN": 1,
+        "MAX_PLOTTED": 1,
         "MONTHS": (4, 9),
         "QUICK_REACHES": 1,
         "SETUPS": {"mimo": {"task": {"kind": "reach", "ball": "mimo"}}},

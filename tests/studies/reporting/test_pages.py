@@ -33,7 +33,7 @@ from .conftest import STUDY, Seen, _no_opengl
 
 PAGES = {"page": "small_one", "world_page": "pair", "run_page": "run", "cohort_page": "cohort"}
 """What each page is made from."""
-MOST_BYTES = 1_000_000
+MAX_BYTES = 1_000_000
 
 
 @pytest.fixture(params=PAGES)
@@ -43,7 +43,7 @@ def any_page(request):
 
 def test_a_page_is_well_formed_light_and_needs_nothing_else(any_page, see):
     seen = see(any_page)
-    assert any_page.stat().st_size < MOST_BYTES
+    assert any_page.stat().st_size < MAX_BYTES
     assert not {tag for tag, _ in seen.tags} & {"script", "link", "iframe", "object", "embed", "use", "image"}
     assert all(source.startswith("data:") for source in seen.attributes("src"))
     assert not any(word in seen.html for word in ("url(", "@import", "http:", "https:", "onload"))

@@ -126,6 +126,7 @@ def test_who_can_fall_is_helped_while_it_learns_unless_the_spec_says_otherwise()
         child(kind, support=SUPPORT)
 
 
+@pytest.mark.extras
 @pytest.mark.slow
 @pytest.mark.usefixtures("kernels_compiled_quickly")
 def test_two_ages_learn_side_by_side_and_act_on_the_cpu(tmp_path, monkeypatch):

@@ -73,16 +73,18 @@ class Mixer:
     """The sounds that are on their way to one head."""
 
     def __init__(self, head: Head, body: int, centre_m: Sequence[float]):
-        self._head, self._body, self._centre_m = head, body, np.array(centre_m)
+        self._head = head
+        self._body = body
+        self._centre_m = np.array(centre_m)
         self.forget()
 
     def forget(self) -> None:
         """Forget all sounds."""
         self.sources: list[Source] = []
         self.delays: FloatArray = np.zeros((0, 2))
-        """Of each sound to each ear when they were mixed last, in samples; NaN before."""
+        """Delay of each sound to each ear when they were mixed last, in samples; NaN before."""
         self.gains: Any = np.zeros((0, 2), complex)
-        """Likewise a - i b, by which its wave w + i v is multiplied, of which the real part is heard."""
+        """Likewise its gain a - i b: its wave w + i v is multiplied by it, and the real part is heard."""
         self._stack([])
 
     def add(self, sources: Sequence[Source]) -> None:
@@ -209,7 +211,8 @@ class Listener(Companion):
     """The ears of one infant: the sound pressure at each, of all sounds in its world."""
 
     def __init__(self, entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle, samples: int):
-        self._model, self._head = model, Head(entry.radius_m, float(entry.sample_rate_hz))
+        self._model = model
+        self._head = Head(entry.radius_m, float(entry.sample_rate_hz))
         self._body = model.body(entry.head).id
         self._thresholds = np.log(entry.threshold_hz or (1.0,)), np.array(entry.threshold_db or (0.0,))
         self._timestep_s, self._samples = model.opt.timestep, samples

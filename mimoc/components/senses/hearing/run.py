@@ -30,13 +30,14 @@ from mimoc.runtime.sense import FloatArray, Observation, Sample, Sense
 from mimoc.runtime.sound import SoundSources, Voice
 
 WINDOW_S = 0.025  # Time over which levels of bands are means, weighted by a Hann window, as is usual for speech.
-LOUDEST_PA, LOUDEST_DB = 20.0, 140.0  # Bounds of the observation: 120 dB, and what is above a threshold of adults then.
+LOUDEST_PA = 20.0  # Bound of the observed sound pressure: 120 dB re 20 µPa.
+LOUDEST_DB = 140.0  # Bound of observed levels: no tone of 120 dB is as far above adults' thresholds.
 EARS = "left", "right"
-LOWEST_HZ, HIGHEST_HZ = 100.0, 8000.0  # Of the lowest and the highest band.
+LOWEST_HZ, HIGHEST_HZ = 100.0, 8000.0  # Centre frequencies of the lowest and the highest band.
 HIGHEST_SHARE = 0.9  # The highest band is below this share of half the sample rate.
-WIDTH = 1.019
-ORDER = 4
-SILENCE = 1e-30  # Mean square that stands for none.
+WIDTH = 1.019  # Width of a gammatone filter, in equivalent rectangular bandwidths.
+ORDER = 4  # Order of the gammatone filters.
+SILENCE = 1e-30  # Added to mean squares relative to that of the reference, so that silence has a logarithm.
 
 
 def erb_hz(frequency_hz: Any) -> Any:
@@ -67,14 +68,15 @@ class Bands:
 
     @cached_property
     def _weights(self) -> FloatArray:
-        """From power by frequency to mean square pressure by band, shape (frequencies, channels)."""
+        """Matrix from the power at each frequency to the mean square pressure of each band, (frequencies, channels)."""
         size = len(self.window)
         frequencies_hz = np.fft.rfftfreq(size, 1 / self.sample_rate_hz)[:, None]
-        off = (frequencies_hz - self.centres_hz) / (WIDTH * erb_hz(self.centres_hz))
-        weights = (1 + off * off) ** -float(ORDER)
+        offsets = (frequencies_hz - self.centres_hz) / (WIDTH * erb_hz(self.centres_hz))
+        weights = (1 + offsets * offsets) ** -float(ORDER)
         times_s = np.arange(size) / self.sample_rate_hz
         phases = 2 * np.pi * (self.centres_hz[:, None, None] * times_s + np.array([[0.0], [0.25]]))
-        tones = np.abs(np.fft.rfft(np.cos(phases) * self.window)) ** 2  # Two in quadrature, as phase matters if short.
+        # Two tones in quadrature, whose mean is taken: in a short window, the power of one tone depends on its phase.
+        tones = np.abs(np.fft.rfft(np.cos(phases) * self.window)) ** 2
         heard = np.einsum("bpf,fb->b", tones, weights) / 2
         return 0.5 * weights / heard  # The mean square of a tone of amplitude 1 is a half.
 
@@ -105,7 +107,9 @@ class Output(ABC):
     high: float
 
     def __init__(self, bands: Bands, thresholds_db: FloatArray, has_thresholds: bool):
-        self.bands, self.thresholds_db, self.has_thresholds = bands, thresholds_db, has_thresholds
+        self.bands = bands
+        self.thresholds_db = thresholds_db
+        self.has_thresholds = has_thresholds
         self._least_pa = REFERENCE_PA * 10 ** (float(thresholds_db.min()) / 20)
 
     @property
@@ -183,7 +187,8 @@ class Hearing(Sense):
 
     def __init__(self, output: Output, listener: Listener, head: int):
         self.bodies = np.full(len(EARS), head, np.intp)
-        self.output, self.listener = output, listener
+        self.output = output
+        self.listener = listener
         self.companion = listener
         self.names = output.names
         low, high = output.low, output.high
@@ -214,15 +219,16 @@ class Hearing(Sense):
 def bind(entry: HearingEntry, model: mujoco.MjModel, bundle: Bundle) -> Hearing:
     """Return the ears of *entry* in *model*."""
     rate_hz = entry.sample_rate_hz
-    step = round(rate_hz * ms_to_s(bundle.manifest.step_ms))
-    window: Any = np.ones(step)
+    samples_per_step = round(rate_hz * ms_to_s(bundle.manifest.step_ms))
+    window: Any = np.ones(samples_per_step)
     if entry.output != "waveform":
         window = np.hanning(round(WINDOW_S * rate_hz) + 2)[1:-1]
     centres_hz = band_centres_hz(entry.channels, rate_hz)
     thresholds_db = thresholds_at(centres_hz, entry.threshold_hz, entry.threshold_db)
     output = OUTPUTS[entry.output](Bands(centres_hz, rate_hz, window), thresholds_db, bool(entry.threshold_hz))
-    kept = max(2 * step, len(window))  # As long as it can be between two samples of the sense.
-    return Hearing(output, Listener(entry, model, bundle, kept), model.body(entry.head).id)
+    # Two samples of the sense can be this many samples of sound apart.
+    kept_samples = max(2 * samples_per_step, len(window))
+    return Hearing(output, Listener(entry, model, bundle, kept_samples), model.body(entry.head).id)
 
 
 @dataclass(frozen=True)

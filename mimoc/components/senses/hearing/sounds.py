@@ -41,15 +41,15 @@ from mimoc.runtime.sound import Voice
 
 Wave = npt.NDArray[np.complex64]
 
-REFERENCE_PA = 20e-6  # Of sound pressure levels, p₀.
+REFERENCE_PA = 20e-6  # Reference pressure of sound pressure levels, p₀.
 FINER = 4  # A frequency of a third of the sample rate loses .3 dB at most.
 PARTIALS = np.array([1.0, 2.757, 5.404, 8.933])
 """Frequencies of a free beam, relative to the lowest (Fletcher & Rossing 1998), for want of an object's own."""
 LONGEST_S, SHORTEST_S = 10.0, 2e-3  # Durations of sounds.
-GLIDE_S = 0.02  # Of the onset and the end of voices and tones, and of the end of what rings on.
+GLIDE_S = 0.02  # Duration of the onset and the end of voices and tones, and of the end of what rings on.
 HARMONICS, SLOPE_DB = 30, 12.0
-"""Of a voice: their number, and by how much they fall per octave, as the glottal source's do (Fant 1960, from memory);
-there are no formants."""
+"""Number of a voice's harmonics, and by how much they fall per octave, as the glottal source's do (Fant 1960, from
+memory); there are no formants."""
 PERIOD = 2048  # Samples of a period of a voice.
 IMPACT_S = 0.125
 """Time over which the level of an impact is the mean, as that of `fast` sound level meters (IEC 61672)."""
@@ -59,14 +59,14 @@ class Timbre(NamedTuple):
     """What a sound is like; equal ones are made once."""
 
     kind: str  # `impact`, `voice`, or a pure tone for all else.
-    fundamental_hz: float  # Of the lowest partial.
-    duration_ms: float  # Of a voice or a tone; of an impact, the time after which its lowest partial is down by 60 dB.
+    fundamental_hz: float  # Frequency of the lowest partial.
+    duration_ms: float  # Duration of a voice or a tone; time after which an impact's lowest partial is down by 60 dB.
     contact_ms: float = 0.0  # How long the objects touch that hit each other: partials of shorter periods are weak.
 
 
 @dataclass(frozen=True)
 class Head:
-    """For whose head, and with how many samples per second, sounds are made."""
+    """The head that sounds are made for, and how many samples per second they have."""
 
     radius_m: float
     sample_rate_hz: float
@@ -109,7 +109,7 @@ def _impact(timbre: Timbre, times_s: FloatArray, head: Head) -> Any:
     frequencies_hz, sizes = partials_of(timbre, head)
     decays_s = timbre.duration_ms / 1000 / math.log(1000) * frequencies_hz[0] / frequencies_hz
     hard = 1 / (np.arange(len(frequencies_hz)) + 1)
-    energy = float(np.sum(hard**2 * decays_s)) / 4  # Of a decaying sine: size² decay / 4.
+    energy = float(np.sum(hard**2 * decays_s)) / 4  # A decaying sine has size² decay / 4.
     ends = np.minimum(1.0, (times_s[-1] - times_s) / min(GLIDE_S, times_s[-1] / 2))
     wave = np.zeros(len(times_s), complex)
     for frequency_hz, decay_s, size in zip(frequencies_hz, decays_s, sizes, strict=True):
@@ -168,7 +168,10 @@ class VoiceTrack:
 
     def forget(self) -> None:
         """Begin an episode in silence; the voice itself, be it of another infant, may be reset after this."""
-        self._phase, self._gain, self._rate_hz, self._end = 0.0, 0.0, self._voice.first_hz, 0
+        self._phase = 0.0
+        self._gain = 0.0
+        self._rate_hz = self._voice.first_hz
+        self._end = 0
         self._parts: list[list[float]] = []
 
     def after_step(self, end: int) -> None:
@@ -247,7 +250,8 @@ class OtherVoice:
         phases, gains = self.track.take(count)
         phases += self._phases[-1] - self._phases[-1] % 1.0  # As if it had never been wrapped.
         phases, gains = np.concatenate([self._phases, phases]), np.concatenate([self._gains, gains])
-        self._phases, self._gains = phases[-self._kept :], gains[-self._kept :]
+        self._phases = phases[-self._kept :]
+        self._gains = gains[-self._kept :]
         (delays, paths), (delays_before, paths_before) = way, self._way or way
         self._way = way
         if not gains.any():
@@ -276,7 +280,7 @@ class OtherVoice:
 AIR_KG_M2S = 413.0  # Impedance of air, Z, at 20 °C: density x speed of sound.
 MIN_M_S = 0.01  # Closing speed below which nothing sounds.
 APART_S = 0.05  # How long two bodies must have been apart to hit each other again.
-DROWNED_DB = 15.0  # Of two bodies that hit each other, one that is so much quieter is left out.
+DROWNED_DB = 15.0  # If one of two bodies that hit each other is so much quieter, it is left out.
 RINGS_FROM_M_S, RESTS_BELOW_M_S, CLAPPER_KG = 0.1, 0.05, 0.002
 """A bell rings whenever its speed exceeds the first, after it was below the second; by its clapper's mass. Assumed."""
 
@@ -317,7 +321,8 @@ class Resonators:
 
     def __init__(self, model: mujoco.MjModel, bundle: Bundle):
         manifest = bundle.manifest
-        self.count, self.solid = model.nbody, model.body_weldid.astype(np.intp)
+        self.count = model.nbody
+        self.solid = model.body_weldid.astype(np.intp)
         self._second: IntArray = self.solid[model.geom_bodyid]
         self._first: IntArray = self._second * model.nbody
         materials = [TOYS] * model.nbody

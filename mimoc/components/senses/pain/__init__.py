@@ -74,7 +74,8 @@ def build(spec: PainSpec, body: "BodyTree") -> "Placed":
     from mimoc.compiler.mjcf.scene import Placed
 
     kpa = threshold_kpa(body.age_months if spec.threshold == "age" else max(WITHDRAWAL_MN))
-    region_of, members = region_of_bodies(body), dict[str, list[Any]]()
+    region_of = region_of_bodies(body)
+    members = dict[str, list[Any]]()
     for part in body.bodies:
         members.setdefault(region_of[part.name], []).append(part)
     regions = tuple(

@@ -27,12 +27,12 @@ class Pain(Term):
     range, and their thresholds F₀ and b₀: max(F / F₀ - 1, b / b₀ - 1, 0).
     """
 
-    region_of_geom: IntArray  # Or -1, shape (ngeom,).
+    region_of_geom: IntArray  # Region of each geom, or -1, shape (ngeom,).
     threshold_n: FloatArray  # F₀, shape (g,).
-    addresses: IntArray  # Of the m joints in `qpos`, shape (m,).
+    addresses: IntArray  # Addresses of the m joints in `qpos`, shape (m,).
     low_rad: FloatArray  # Ends of their ranges, shape (m,).
     high_rad: FloatArray
-    joints: IntArray  # Those of each region, as indices among the m; m stands for none, shape (g, most).
+    joints: IntArray  # Joints of each region, as indices among the m; m stands for none, shape (g, most).
     strain_rad: FloatArray  # b₀, shape (1,).
 
     def __call__(self, worlds: Worlds) -> Any:

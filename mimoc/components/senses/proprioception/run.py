@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import mujoco
@@ -19,10 +20,12 @@ from mimoc.schema.actuation import ActuationEntry
 
 LIMIT_MARGIN_RAD = 0.035  # Distance from its limit at which a joint begins to sense it (MIMo v2).
 
+# These three bound the observation at every age; they are far beyond what a stable simulation reaches.
 MAX_SPEED_RAD_S = 1e3
 MAX_TORQUE_NM = 1e3
-MAX_LIMIT = 1e2  # Bounds of the observation at every age, far beyond what a stable simulation reaches.
-ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"  # By which angles and velocities are known in the layout.
+MAX_LIMIT = 1e2
+
+ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"  # Angles and velocities are known by them in the layout.
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class Limits(Term):
     margins.
     """
 
-    addresses: IntArray  # Of the joints in `qpos`, shape (n,).
+    addresses: IntArray  # Addresses of the joints in `qpos`, shape (n,).
     middle_rad: FloatArray
     reach_rad: FloatArray
 
@@ -84,7 +87,8 @@ def _components(
     entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel
 ) -> dict[str, list[Component]]:
     joints = np.array([model.joint(name).id for name in entry.joints], np.intp)
-    angles, velocities = model.jnt_qposadr[joints].astype(np.intp), model.jnt_dofadr[joints].astype(np.intp)
+    angles = model.jnt_qposadr[joints].astype(np.intp)
+    velocities = model.jnt_dofadr[joints].astype(np.intp)
     low, high = model.jnt_range[joints].T
     limits = Limits(angles, (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD)
     sensors = np.array([model.sensor(name).id for name in entry.torque_sensors], np.intp)
@@ -93,24 +97,25 @@ def _components(
     bound = bind_actuation(all_commanded(actuation), model)
     actuators = [actuator.name for actuator in actuation.actuators]
     torques = ActuatorTorques(bound.actuators, model.actuator_gear[bound.actuators, 0])
-
-    def component(term: Term, high: float, names: Sequence[str], quantity: str, unit: str, bodies: Any) -> Component:
-        return Component(term, high, tuple(f"{name} {quantity} [{unit}]" for name in names), bodies)
-
-    of_joints, on_sites = model.jnt_bodyid[joints], np.repeat(model.site_bodyid[model.sensor_objid[sensors]], 3)
-    driven = model.jnt_bodyid[model.actuator_trnid[bound.actuators, 0]]
+    bodies_of_sensors = model.site_bodyid[model.sensor_objid[sensors]]
+    joints_of_actuators = model.actuator_trnid[bound.actuators, 0]
+    of_joints = partial(_component, names=entry.joints, bodies=model.jnt_bodyid[joints])
+    of_axes = partial(_component, names=axes, bodies=np.repeat(bodies_of_sensors, 3))
+    of_actuators = partial(_component, names=actuators, bodies=model.jnt_bodyid[joints_of_actuators])
     return {
-        "angle": [component(Field("qpos", angles), 4 * np.pi, entry.joints, "angle", ANGLE_UNIT, of_joints)],
-        "velocity": [
-            component(Field("qvel", velocities), MAX_SPEED_RAD_S, entry.joints, "velocity", VELOCITY_UNIT, of_joints)
-        ],
-        "torque": [component(loads, MAX_TORQUE_NM, axes, "torque", "N m", on_sites)],
-        "limits": [component(limits, MAX_LIMIT, entry.joints, "limit", "1 at the limit", of_joints)],
+        "angle": [of_joints(Field("qpos", angles), 4 * np.pi, f"angle [{ANGLE_UNIT}]")],
+        "velocity": [of_joints(Field("qvel", velocities), MAX_SPEED_RAD_S, f"velocity [{VELOCITY_UNIT}]")],
+        "torque": [of_axes(loads, MAX_TORQUE_NM, "torque [N m]")],
+        "limits": [of_joints(limits, MAX_LIMIT, "limit [1 at the limit]")],
         "actuation": [
-            component(bound.drive, 1.0, actuators, bound.drive_name, "1", driven),
-            component(torques, MAX_TORQUE_NM, actuators, "torque", "N m", driven),
+            of_actuators(bound.drive, 1.0, f"{bound.drive_name} [1]"),
+            of_actuators(torques, MAX_TORQUE_NM, "torque [N m]"),
         ],
     }
+
+
+def _component(term: Term, high: float, quantity: str, names: Sequence[str], bodies: Any) -> Component:
+    return Component(term, high, tuple(f"{name} {quantity}" for name in names), bodies)
 
 
 @dataclass(frozen=True)
@@ -118,10 +123,10 @@ class ProprioceptionNoise(Noise):
     """Adds a smooth error to each angle, and the error's rate to each velocity; torques and limits are exact."""
 
     deviation_rad: FloatArray  # Standard deviation of an angle, shape (1,).
-    errors: IntArray
-    """Of each number of a sample, the place of its error among those of n angles, then those of their velocities."""
-    per: FloatArray
-    """By what the error there is divided: 1 of angles, the time constant of velocities, and infinity of all else."""
+    error_indices: IntArray
+    """For each number of a sample, the index of its error in the state: of n angles first, then of n velocities."""
+    divisors: FloatArray
+    """Each number's error is divided by this: 1 for angles, the time constant for velocities, infinity for others."""
     count: int  # Number of angles, n.
     low_pass: Smooth
 
@@ -129,7 +134,8 @@ class ProprioceptionNoise(Noise):
         """Return a sample with noise, shape (k, size), and its errors, shape (k, 2 n); see `Smooth`."""
         drawn = draw.normals((sample.shape[0], 2 * self.count))
         state = self.low_pass(draw.xp, state, draw.elapsed_s, drawn)
-        return sample + self.deviation_rad * (draw.xp.take(state, self.errors, axis=1) / self.per), state
+        errors = draw.xp.take(state, self.error_indices, axis=1) / self.divisors
+        return sample + self.deviation_rad * errors, state
 
 
 def bind_noise(amount_deg: float, sense: Sense, low_pass_s: float) -> ProprioceptionNoise:
@@ -137,7 +143,12 @@ def bind_noise(amount_deg: float, sense: Sense, low_pass_s: float) -> Propriocep
     angles, velocities = (
         np.flatnonzero([name.endswith(f"[{unit}]") for name in sense.layout]) for unit in (ANGLE_UNIT, VELOCITY_UNIT)
     )
-    errors, per = np.zeros(len(sense.layout), np.intp), np.full(len(sense.layout), np.inf)
-    errors[angles], per[angles] = np.arange(len(angles)), 1.0
-    errors[velocities], per[velocities] = len(angles) + np.arange(len(velocities)), low_pass_s
-    return ProprioceptionNoise(np.array([math.radians(amount_deg)]), errors, per, len(angles), Smooth(low_pass_s))
+    error_indices = np.zeros(len(sense.layout), np.intp)
+    error_indices[angles] = np.arange(len(angles))
+    error_indices[velocities] = len(angles) + np.arange(len(velocities))
+    divisors = np.full(len(sense.layout), np.inf)
+    divisors[angles] = 1.0
+    divisors[velocities] = low_pass_s
+    return ProprioceptionNoise(
+        np.array([math.radians(amount_deg)]), error_indices, divisors, len(angles), Smooth(low_pass_s)
+    )

@@ -48,8 +48,8 @@ def stroking(speed_m_s: FloatArray) -> FloatArray:
 class Adapting(Filter):
     """The c channels of n points, one channel after the other: from pressures, or these and what of them strokes."""
 
-    time_constants_s: FloatArray  # Of the slow loss, and of the rapidly adapting, shape (2,).
-    rise_s: FloatArray  # Shape (1,).
+    time_constants_s: FloatArray  # Time constants of the slow loss and of rapid adaptation, shape (2,).
+    rise_s: FloatArray  # Time constant of the response to a rising force, shape (1,).
     channels: tuple[Channel, ...]
     width: int  # Numbers of each point in a sample: its pressure, and with `ct` also what of it is stroking.
 
@@ -82,7 +82,9 @@ class Adapting(Filter):
 
     def _changed(self, xp: Any, elapsed_s: float, numbers: Any, kept: Any) -> tuple[Any, Any]:
         """Return the channels of m points, shape (k, c, m), and their state, shape (k, 4, m)."""
-        force, rise, former = numbers[:, 0, :], kept[:, 2, :], kept[:, 3, :]
+        force = numbers[:, 0, :]
+        rise = kept[:, 2, :]
+        former = kept[:, 3, :]
         interval_s = min(max(round(elapsed_s, 9), INSTANT_S), FORGOTTEN_S)
         left, gained, ramp, of_rise, risen = self.of_interval(xp, interval_s, self._gains)
         change = force - former

@@ -138,7 +138,7 @@ def _to_seam(geom: Geom, other: Geom, points_m: FloatArray) -> FloatArray:
 PUPIL = np.array([[1.0, 0.0, 0.0, 0.0]])  # The one point of an eye, at its front.
 
 DECIMALS = 12
-"""Of coordinates in m: few enough not to depend on the order of sums, and a point is still on its surface."""
+"""Decimals of coordinates in m: few enough not to depend on the order of sums, and a point is still on its surface."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,7 +173,8 @@ def skin_points(
         given_m: Distance of neighbours at 18 months, by the parts that alone have skin then, in place of *density*.
     """
     kind = tree.hands, tree.extra, tree.development
-    groups, covered = tree.body_groups, None if regions is None else single_groups(regions)
+    groups = tree.body_groups
+    covered = None if regions is None else single_groups(regions)
     points_m, spacing_m, moved_m = {}, {}, dict[Any, FloatArray]()
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
@@ -296,7 +297,8 @@ def _on_ellipsoid(half_axes_m: tuple[float, ...], spacing_m: float) -> FloatArra
     rings = _rings(np.sin(polar_rad), -np.cos(polar_rad), per_radian)
     angles_rad, around_m = _arcs(b, a, 2 * math.pi)
     evenly_m = np.arctan2(rings[:, 1], rings[:, 0]) % (2 * math.pi) / (2 * math.pi) * around_m[-1]
-    turns_rad, radii = np.interp(evenly_m, around_m, angles_rad), np.hypot(rings[:, 0], rings[:, 1])
+    turns_rad = np.interp(evenly_m, around_m, angles_rad)
+    radii = np.hypot(rings[:, 0], rings[:, 1])
     return np.column_stack((radii * np.cos(turns_rad), radii * np.sin(turns_rad), rings[:, 2:]))
 
 

@@ -43,7 +43,9 @@ def contacts_of(data: mjw.Data) -> Any:
     contact, contacts = data.contact, Contacts()
     contacts.count, contacts.world, contacts.geoms = data.nacon, contact.worldid, contact.geom
     contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
-    contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
+    contacts.dim = contact.dim
+    contacts.rows = contact.efc_address
+    contacts.force = data.efc.force
     return contacts
 
 
@@ -61,14 +63,21 @@ class TouchReader:
         touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
         if touches[0].stroked:
             raise DeviceError("slow stroking is not felt on a device: leave 'ct' out of senses.touch.channels")
-        model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
-        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body.int()
+        model = setup.infants[0].model
+        entry = setup.infants[0].manifest.senses.touch
+        skin = touches[0].receptors.bodies
+        self.width = touches[0].width
+        self._body = setup.body.int()
         points_m = np.stack([touch.receptors.points_m for touch in touches])
-        places, self._place_of_point, is_nearest = skin, np.arange(len(skin)), entry.response == "nearest"
+        places = skin
+        self._place_of_point = np.arange(len(skin))
+        is_nearest = entry.response == "nearest"
         if setup.touch == "bodies":
             places, self._place_of_point = np.unique(skin, return_inverse=True)
-            points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
-        self._size, channels = len(places) * self.width, touches[0].channels
+            points_m = np.zeros((len(touches), len(places), 3))
+            is_nearest = True
+        self._size = len(places) * self.width
+        channels = touches[0].channels
         self.bodies = np.tile(places, len(channels)) if channels else np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
         self._sample = torch.zeros((len(setup.body), self._size), device=setup.body.device)
@@ -77,7 +86,8 @@ class TouchReader:
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
         first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
         self._geoms = wp.array(skin_body_of_geoms(skin, model), dtype=int)
-        self._range, self._points = wp.array(np.stack([first, last], 1), wp.vec2i), wp.array(points_m, wp.vec3)
+        self._range = wp.array(np.stack([first, last], 1), wp.vec2i)
+        self._points = wp.array(points_m, wp.vec3)
         self._scales = wp.array([touch.receptors.scale_per_m[:, 0] for touch in touches], dtype=float)
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
@@ -130,14 +140,20 @@ def _share(
     index, side = wp.tid()
     if index >= contacts.count[0] or contacts.rows[index, 0] < 0:
         return  # Beyond the end of the list, or a near miss, which has no force.
-    body, world = body_of_geom[contacts.geoms[index][side]], contacts.world[index]
+    body = body_of_geom[contacts.geoms[index][side]]
+    world = contacts.world[index]
     if body == 0:
         return
-    mine, rotation, inward = body_of_world[world], xmat[world, body], wp.float32(2 * side - 1) * contacts.frame[index]
+    mine = body_of_world[world]
+    rotation = xmat[world, body]
+    inward = wp.float32(2 * side - 1) * contacts.frame[index]
     surface = contacts.pos[index] + 0.5 * contacts.dist[index] * wp.transpose(inward) @ wp.vec3(1.0, 0.0, 0.0)
     place = wp.transpose(rotation) @ (surface - xpos[world, body])  # A contact lies midway between the two surfaces.
     load = _load(contacts, index, inward, quantity, rotation)
-    span, scale, total, least = points_of_body[body], scales[mine, body], float(0.0), float(1.0e30)
+    span = points_of_body[body]
+    scale = scales[mine, body]
+    total = float(0.0)
+    least = float(1.0e30)
     nearest = int(span[0])
     for point in range(span[0], span[1]):
         away = wp.length(points[mine, point] - place) * scale

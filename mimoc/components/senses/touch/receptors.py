@@ -15,13 +15,13 @@ from mimoc.runtime.sense import FloatArray, IntArray
 
 SIGNS = np.array([[-1.0], [1.0]])  # By side: the normal of a contact points out of its first geom, into its second.
 FIELDS = ("geom", "efc_address", "frame", "dim", "dist", "pos")
-"""What of `MjData.contact` says where contacts are, and where their forces."""
-AXES = np.arange(3)  # Of a contact: its normal, then two tangents.
+"""Fields of `MjData.contact` that say where contacts are, and where their forces."""
+AXES = np.arange(3)  # Axes of a contact: its normal, then two tangents.
 FIELD_RADIUS = 2.0  # Radius of a receptive field, in spacings of the receptors.
 BODY_OFFSET = np.array([1e3, 0.0, 0.0])
-"""From each body to the next in scaled space, in field radii: their receptors do not meet."""
+"""Offset from each body to the next in scaled space, in field radii: their receptors do not meet."""
 CELL_STRIDES = np.array([1e8, 1e4, 1.0])  # Turns the corner of a cell into one number.
-AROUND = np.array([-1.0, 0.0, 1.0])  # Of a cell and its neighbours, along each coordinate.
+AROUND = np.array([-1.0, 0.0, 1.0])  # Steps from a cell to itself and its neighbours, along each coordinate.
 
 
 class ContactForces(NamedTuple):
@@ -54,7 +54,8 @@ def contact_forces(contact: Any, efc_force: FloatArray, body_of_geom: IntArray) 
         efc_force: The forces of all constraints that they point at.
         body_of_geom: What `skin_body_of_geoms` returns, of each infant whose geoms they point at.
     """
-    bodies, addresses = body_of_geom.take(contact.geom), contact.efc_address
+    bodies = body_of_geom.take(contact.geom)
+    addresses = contact.efc_address
     if -1 in addresses.tolist():
         bodies[addresses < 0] = 0
     index, side = bodies.nonzero()
@@ -117,7 +118,9 @@ class Receptors:
         sums = np.add.reduce(weights, 1)
         if 0.0 in sums.tolist():
             alone = sums == 0.0
-            receptors[alone, 0], weights[alone, 0], sums[alone] = self.tree.query(scaled[alone])[1], 1.0, 1.0
+            receptors[alone, 0] = self.tree.query(scaled[alone])[1]
+            weights[alone, 0] = 1.0
+            sums[alone] = 1.0
         return receptors, (loads.T / sums)[:, :, None] * weights
 
     def nearest(self, bodies: IntArray, places_m: FloatArray, loads: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -125,7 +125,8 @@ class TouchReader:
 
     def __init__(self, touches: Sequence[Touch]):
         self._touch = first = touches[0]
-        self._bodies, self._geoms = len(first.receptors.scale_per_m), len(first.body_of_geom)
+        self._bodies = len(first.receptors.scale_per_m)
+        self._geoms = len(first.body_of_geom)
         self._size = len(first.receptors.bodies) * first.width
         table = np.stack([touch.body_of_geom for touch in touches])
         self._body_of_geom = np.where(table, table + np.arange(len(touches))[:, None] * self._bodies, 0).ravel()
@@ -145,7 +146,8 @@ class TouchReader:
         places_m, loads = _loads(forces, xpos, xmat, self._touch.quantity)
         bodies = forces.bodies - owners * self._bodies
         for kind, receptors in enumerate(self._receptors):
-            members, which = np.flatnonzero(self._kinds == kind), np.flatnonzero(self._kinds[owners] == kind)
+            members = np.flatnonzero(self._kinds == kind)
+            which = np.flatnonzero(self._kinds[owners] == kind)
             if which.size:
                 rows = np.searchsorted(members, owners[which])
                 shared = self._touch.response(receptors, bodies[which], places_m[which], loads[which])
@@ -177,7 +179,8 @@ def bind(entry: TouchEntry, model: mujoco.MjModel, bundle: Bundle) -> Touch:
         receptors = replace(receptors, names=np.array(names))
     quantity, stroked = QUANTITIES[entry.quantity], None
     if "ct" in entry.channels:
-        quantity, stroked = STROKED, Stroking(model, frozenset(model.body(name).id for name in entry.hairless))
+        quantity = STROKED
+        stroked = Stroking(model, frozenset(model.body(name).id for name in entry.hairless))
     return Touch(receptors, model, quantity, RESPONSES[entry.response], entry.channels, stroked)
 
 
@@ -247,7 +250,7 @@ QUANTITIES: Mapping[str, Measure] = {
 }
 STROKED = Measure(("pressure", "stroked"), 0.0, lambda forces, axes: forces.normal_forces_n.repeat(2, axis=1))
 """The pressure, and what of it is stroking."""
-UNITS: Mapping[str, str] = {"sa1": "N", "ra": "N", "pc": "N", "ct": "1"}  # Of each channel.
+UNITS: Mapping[str, str] = {"sa1": "N", "ra": "N", "pc": "N", "ct": "1"}  # Unit of each channel.
 
 RESPONSES: Mapping[str, Response] = {"linear": Receptors.share, "nearest": Receptors.nearest}
 

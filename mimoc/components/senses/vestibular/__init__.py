@@ -72,7 +72,8 @@ WHOLE_S: Mapping[float, float] = {0: 4.0, 2: 6.0, 6: 10.0, 24: 15.0}
 months (Weissman et al. 1989), and adults' time constants are 15 to 25 s, as the brain stores velocity."""
 CUPULA_S, ADAPTATION_S = 5.7, 80.0
 """Time constants of the cupula and of adaptation of humans (Rader, Oman & Merfeld 2009)."""
-LEAD_S, LAG_S = 0.049, 0.003  # Of the squirrel monkey's canal nerve (Fernández & Goldberg 1971; from memory, M).
+LEAD_S, LAG_S = 0.049, 0.003
+"""Lead and lag of the squirrel monkey's canal nerve (Fernández & Goldberg 1971; from memory, M)."""
 RULES = {
     "age": "derived (D): 4 s at birth, 6 at 2 months, 10 at 6, 15 from 24, interpolated; nystagmus of newborns "
     "(Weissman et al. 1989), velocity storage of adults",

@@ -48,14 +48,16 @@ def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object
         rule = PROFILES[spec.acuity_profile].rule
         sources = ["spec.senses.vision.acuity", "spec.senses.vision.acuity_profile", "spec.age_months"]
     else:
-        rule, sources = "given by the spec", ["spec.senses.vision.acuity.cpd"]
+        rule = "given by the spec"
+        sources = ["spec.senses.vision.acuity.cpd"]
     origin = {"value": entry.acuity_cpd, "unit": "cycles/deg", "rule": rule, "from": sources}
     return {"vision.acuity_cpd": origin, **origins}
 
 
 def _matured(spec: VisionSpec, entry: VisionEntry) -> Iterator[tuple[str, dict[str, object]]]:
     for name, rule, keys in rules_of(spec):
-        unit, sources = UNITS.get(name, "1"), [f"spec.senses.vision.{key}" for key in keys]
+        unit = UNITS.get(name, "1")
+        sources = [f"spec.senses.vision.{key}" for key in keys]
         yield (
             f"vision.{name}",
             {"value": getattr(entry, name), "unit": unit, "rule": rule, "from": [*sources, "spec.age_months"]},
@@ -128,7 +130,8 @@ def _tac2(age_months: float) -> float:
 
 def _interpolated(table_cpd: Mapping[float, float], age_months: float) -> float:
     """Return a table's acuity, its logarithm interpolated over that of age; before its first age it is the first's."""
-    months, cpd = np.log(list(table_cpd)), np.log(list(table_cpd.values()))
+    months = np.log(list(table_cpd))
+    cpd = np.log(list(table_cpd.values()))
     return float(np.exp(np.interp(np.log(max(age_months, min(table_cpd))), months, cpd)))
 
 
@@ -171,7 +174,8 @@ class AgeCurve:
         """Return the number at the age that is asked for: `adult`, `age` (the infant's), or some months."""
         if maturity == "adult":
             return self.adult
-        months, values = np.array(list(self.by_month)), np.array(list(self.by_month.values()))
+        months = np.array(list(self.by_month))
+        values = np.array(list(self.by_month.values()))
         at = age_months if isinstance(maturity, str) else maturity
         if self.is_logarithmic:
             return float(np.exp(np.interp(at, months, np.log(values))))

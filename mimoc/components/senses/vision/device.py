@@ -120,14 +120,16 @@ def _gain(height_px: int, width_px: int, entry: VisionEntry, fovy_deg: float, ey
 
     That is all of it where acuity is not limited, or limits luminance apart from chroma.
     """
-    shares, size = entry.acuity_shares or (1.0,) * eyes, (width_px, height_px)
+    shares = entry.acuity_shares or (1.0,) * eyes
+    size = (width_px, height_px)
     gains = None if limits_of(entry, size, fovy_deg) else contrast_gains(entry, size, fovy_deg, shares)
     return np.ones((len(shares), height_px, width_px)) if gains is None else np.array(gains, float, ndmin=3)
 
 
 def _weights(entry: VisionEntry, strength: float, radius: str) -> torch.Tensor:
     weights = source_weights(entry.width_px, entry.height_px, strength, radius).tocoo()
-    places, device = np.stack([weights.row, weights.col]).astype(np.int64), wp.device_to_torch(wp.get_device())
+    places = np.stack([weights.row, weights.col]).astype(np.int64)
+    device = wp.device_to_torch(wp.get_device())
     with torch.sparse.check_sparse_tensor_invariants():  # Torch warns of whoever does not say whether to check.
         matrix = torch.sparse_coo_tensor(torch.as_tensor(places), torch.as_tensor(weights.data), weights.shape)
         return matrix.coalesce().to(device)
@@ -280,7 +282,8 @@ class Eyes:
 
     def __init__(self, models: Sequence[mujoco.MjModel], entry: VisionEntry, body_of_world: IntArray, model: mjw.Model):
         """Set aside room for pictures of the same sizes, and put textures of all bodies on Warp's present device."""
-        times, fovy_deg = entry.supersample, {float(fovy) for single in models for fovy in single.cam_fovy}
+        times = entry.supersample
+        fovy_deg = {float(fovy) for single in models for fovy in single.cam_fovy}
         self._context = mjw.create_render_context(
             _without(models[0], entry.unseen),
             len(body_of_world),
@@ -301,7 +304,8 @@ class Eyes:
             ]
         )
         widths = np.array([1 if sky < 0 else registry[sky].width for sky in skies])
-        self._context.textures, self._context.textures_registry = wp.array(registry, dtype=wp.Texture2D), registry
+        self._context.textures = wp.array(registry, dtype=wp.Texture2D)
+        self._context.textures_registry = registry
         self._context.skybox_tex_id = wp.array(skies[body_of_world], dtype=int)
         self._context.skybox_face_width = wp.array(widths[body_of_world], dtype=int)
         if registry:

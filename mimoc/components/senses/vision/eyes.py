@@ -58,7 +58,8 @@ class Eyes:
         self._names, self._unseen_bodies = tuple(cameras), unseen
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
-        self._size_px, self._shared = (width_px, height_px * len(cameras)), SHARED.get()
+        self._size_px = (width_px, height_px * len(cameras))
+        self._shared = SHARED.get()
         self.shares = self._shared is not None
         """Whether it draws with what other eyes draw with, a renderer in each thread."""
         self._settings = partial(_lean, height_px=height_px)
@@ -126,7 +127,8 @@ class Eyes:
         """Vertical field of view."""
         self._cameras = [mujoco.MjvCamera() for _ in self._names]
         for camera, name in zip(self._cameras, self._names, strict=True):
-            camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(name).id
+            camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+            camera.fixedcamid = model.camera(name).id
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
         self._unseen_skins = [skin for skin in range(model.nskin) if _bones(model, skin) <= set(self._unseen_bodies)]

@@ -54,7 +54,7 @@ RED, GREEN, BLUE = 0.2126, 0.7152, 0.0722  # Share of each in luminance, by reco
 CHROMA_ACUITY = 0.5  # Finest chroma that is seen, relative to the finest grating in luminance: a guess.
 MIN_PURITY = 0.01
 """Pictures of 8 bits hold no finer difference from grey: a lower threshold, such as adults', changes nothing."""
-TINY = 1e-6  # Of 255 levels; below it, there is no colour.
+TINY = 1e-6  # Difference from grey, on a scale of 255 levels, below which there is no colour.
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,10 +78,12 @@ class Limits:
 
 def limits_of(entry: VisionEntry, size_px: tuple[int, int], fovy_deg: float) -> Limits | None:
     """Return what limits pictures of a size, width and height; None if nothing limits luminance apart from chroma."""
-    is_threshold, purity = entry.contrast == "threshold", entry.purity_threshold
+    is_threshold = entry.contrast == "threshold"
+    purity = entry.purity_threshold
     if not is_threshold and purity is None:
         return None
-    shares, acuity_cpd = entry.acuity_shares or (1.0,), entry.acuity_cpd
+    shares = entry.acuity_shares or (1.0,)
+    acuity_cpd = entry.acuity_cpd
     if is_threshold and entry.sensitivity is not None and entry.sensitivity_peak_cpd is not None:
         luminance: Any = stacked_bands(
             tuple(
@@ -143,7 +145,8 @@ def _share_seen(luminance: Any, chroma: Any, limits: Limits, xp: Any) -> Any:
     red, green, blue = chroma[..., 0], chroma[..., 1], chroma[..., 2]
     least = xp.minimum(xp.minimum(red, green), blue)
     mean = (red + green + blue) / 3
-    pure, threshold = mean - least, limits.purity_threshold * (luminance + mean)
+    pure = mean - least
+    threshold = limits.purity_threshold * (luminance + mean)
     return limits.chroma_gain * xp.sqrt((pure * pure - threshold * threshold).clip(0)) / pure.clip(TINY)
 
 

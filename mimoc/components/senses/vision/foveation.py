@@ -87,7 +87,8 @@ def _outlines(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
     """Return points around pixels, shape (n, 4 `SIDE_PARTS`, 2)."""
     along = np.arange(SIDE_PARTS) / SIDE_PARTS
     ahead, back = np.ones(SIDE_PARTS), 1 - along
-    x, y = np.concatenate([along, ahead, back, 0 * ahead]), np.concatenate([0 * ahead, along, ahead, back])
+    x = np.concatenate([along, ahead, back, 0 * ahead])
+    y = np.concatenate([0 * ahead, along, ahead, back])
     return _corners(cells, size_px)[:, None] + np.stack([x, y], axis=-1)
 
 

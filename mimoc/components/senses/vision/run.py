@@ -44,7 +44,10 @@ class Vision(Sense):
         Pictures have the *names* of the cameras by default.
         """
         self._names = tuple(names or entry.cameras)
-        self.eyes, self.filters, self.bodies, self._entry = eyes, tuple(filters), bodies, entry
+        self.eyes = eyes
+        self.filters = tuple(filters)
+        self.bodies = bodies
+        self._entry = entry
         self._lens, self.filter = lens_of(entry), filter_of(entry)
         self.reads_in_threads = eyes.shares
         shape = (entry.height_px, entry.width_px, 3)

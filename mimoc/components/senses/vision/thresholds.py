@@ -32,7 +32,8 @@ MIN_CPD = 0.1  # Below the lowest frequency that infants were tested with, sensi
 OCTAVES = 1.5
 """Distance of the middles of two bands, and their width at half of their height: as channels of adults, 1 to 2."""
 MIN_HALF_CYCLES = 4
-"""Of the middle of the lowest band, across the picture's shorter side; what is slower has no threshold."""
+"""Fewest half cycles across the picture's shorter side at the middle of the lowest band; what is slower has no
+threshold."""
 GRID_PX, SPARE = 4, 1.5
 """Bands are worked out in pictures that have a multiple of so many pixels either way, and so many for each cosine, as
 the peaks of gratings lie between pixels where these are few."""
@@ -177,7 +178,8 @@ def cosines(size: int) -> Planes:
 
 def cosine_matrix(size: int) -> FloatArray:
     """Return that matrix with 64 bits."""
-    frequencies, points = np.arange(size)[:, None], np.arange(size) + 0.5
+    frequencies = np.arange(size)[:, None]
+    points = np.arange(size) + 0.5
     rows = np.cos(np.pi * frequencies * points / size) * np.sqrt(2 / size)
     rows[0] /= np.sqrt(2)
     return rows

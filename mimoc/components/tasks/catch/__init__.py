@@ -53,7 +53,7 @@ class CatchEntry(TaskEntry):
     """Reward for a catch; losing the ball costs as much (MIMo)."""
 
 
-STEPS = 800  # Of an episode (MIMo).
+STEPS = 800  # Length of an episode in steps (MIMo).
 OFFERING = {
     "shoulder_ad_ab": -11.0,
     "shoulder_rotation": -16.0,
@@ -62,8 +62,8 @@ OFFERING = {
     "fingers": -35.0,
     **{f"{finger}_{joint}": 25.0 for finger in ("ff", "mf", "rf", "lf") for joint in ("knuckle", "middle")},
 }
-"""Of the arm that catches: upper arm beside the body, which no forearm touches, palm as level as the wrist turns it,
-because balls roll, fingers a little curled; in degrees."""
+"""Angles of the arm that catches, in degrees: upper arm beside the body, which no forearm touches, palm as level as the
+wrist turns it, because balls roll, fingers a little curled."""
 SITTING = {
     "{side}_hip1": -95.0,
     "{side}_hip2": -33.0,
@@ -75,12 +75,12 @@ SITTING = {
     "hip_bend2": 8.0,
 }
 """The trunk leans forward by 4 to 7 degrees, so that the forearm is level; all but the arm that catches is locked."""
-LOOKING = {"head_tilt": 10.0}  # Down, but not so far that the ball would fall on a newborn's head.
+LOOKING = {"head_tilt": 10.0}  # Looks down, but not so far that the ball would fall on a newborn's head.
 ALONG_PALM = 0.4
-"""Of the place that the ball falls on: from the middle of the palm towards the fingers, in halves of the palm."""
+"""Distance from the middle of the palm, towards the fingers, to where the ball falls, in halves of the palm."""
 PALMAR: "Mapping[Side, float]" = {"right": -1.0, "left": 1.0}  # Where the palm looks along the y axis of its hand.
 LOWEST, HIGHEST = 1.0, 2.0
-"""Of the heights that the ball falls from, over the palm, in lengths of the hand: at 18 months, 10 to 20 cm."""
+"""Range of heights above the palm that the ball falls from, in lengths of the hand: at 18 months, 10 to 20 cm."""
 LOST = 0.75  # How far from the palm the ball is lost, in lengths of the hand: farther than its fingers reach.
 
 

@@ -38,7 +38,9 @@ class ResizableBall:
     @property
     def model_fields(self) -> tuple[ModelField, ...]:
         """What `change` changes in the model."""
-        body, geom, turning = np.array([self.body]), np.array([self.geom]), self._speeds[3:]
+        body = np.array([self.body])
+        geom = np.array([self.geom])
+        turning = self._speeds[3:]
         return (
             *(ModelField(name, geom) for name in ("geom_size", "geom_rbound", "geom_aabb")),
             ModelField("bvh_aabb", self._boxes),
@@ -111,7 +113,9 @@ class CatchTask(Task):
     """A ball over the palm, of another size and mass in each episode."""
 
     def __init__(self, entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle):
-        self._entry, self._model, self._ball = entry, model, ResizableBall(entry.ball, model)
+        self._entry = entry
+        self._model = model
+        self._ball = ResizableBall(entry.ball, model)
         is_hand = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand])
         part_of_geom = np.where(is_hand, HAND, NEITHER)
         part_of_geom[self._ball.geom] = BALL

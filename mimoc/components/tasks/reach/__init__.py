@@ -65,13 +65,13 @@ class ReachEntry(TaskEntry):
     """Joints that keep the head and the eyes on the ball, in the order in which they turn."""
 
 
-STEPS = 1000  # Of an episode (MIMo).
-NEAREST, FARTHEST = 0.65, 0.95  # Of the places of the ball, in lengths of the arm from shoulder to fingers.
+STEPS = 1000  # Length of an episode in steps (MIMo).
+NEAREST, FARTHEST = 0.65, 0.95  # Distances of the ball from the shoulder, in arm lengths (shoulder to fingers).
 OUTWARD_DEG, INWARD_DEG = 45.0, 30.0
 """How far the ball is to the side of the shoulder: to that of the hand, and to the other."""
 ELEVATION_DEG = (-45.0, 25.0)
 MIMO_BOX = (0.868, 1.292), (-0.614, 0.657), (-0.042, 0.381)
-"""Of the places of the ball from the right shoulder in MIMo, in lengths of its arm (.236 m): ahead, to the left, above.
+"""Where the ball can be from the right shoulder in MIMo, in lengths of its arm (.236 m): ahead, to the left, above.
 
 Its ball hangs at .2 to .3, -.25 to .05 and .6 to .7 m, its shoulder at -.005, -.105 and .61 m."""
 HOLD_S, NEAR_IN_ARMS = 0.5, 0.25

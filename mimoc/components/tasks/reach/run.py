@@ -116,14 +116,19 @@ class Reach(Term):
         """Return the judgement of k infants, whose balls were hung at `start_m`, shape (k, 3), [m]."""
         xp, xpos = worlds.xp, worlds.xpos
         ball_m = xpos[:, self.ball, :]
-        moved_m, away_m = ball_m - memory["start_m"], ball_m - xpos[:, self.effector, :]
+        moved_m = ball_m - memory["start_m"]
+        away_m = ball_m - xpos[:, self.effector, :]
         moved_m2 = xp.vecdot(moved_m, moved_m)
         distance_m = xp.sqrt(xp.vecdot(away_m, away_m))
-        name, is_reached, remembered = "touch", moved_m2 > self.moved_m2, NOTHING
+        name = "touch"
+        is_reached = moved_m2 > self.moved_m2
+        remembered = NOTHING
         if self.hold_steps:
             is_near = xp.astype(distance_m <= self.near_m, distance_m.dtype)
             held = (memory["held"] + is_near) * is_near
-            name, is_reached, remembered = "hold", held >= self.hold_steps, {"held": held}
+            name = "hold"
+            is_reached = held >= self.hold_steps
+            remembered = {"held": held}
         terms = {"distance": -distance_m, name: xp.where(is_reached, self.success_reward, 0.0)}
         turned = Change(moved_m2 > self.still_m2, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)
         return Judgement(terms, is_reached, is_reached, remembered, {"eq_data": turned})

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mimoc.body.tree import BodyTree
     from mimoc.compiler.task_setup import TaskSetup
 
-STEPS = 500  # Of an episode (MIMo).
+STEPS = 500  # Length of an episode in steps (MIMo).
 
 
 class RolloverSpec(TaskSpec):

@@ -51,7 +51,7 @@ class SelfbodyEntry(TaskEntry):
     """Reward of a step in which nothing is touched (MIMo)."""
 
 
-STEPS = 500  # Of an episode (MIMo).
+STEPS = 500  # Length of an episode in steps (MIMo).
 OTHER: "dict[Side, Side]" = {"right": "left", "left": "right"}
 SITTING: Mapping[str, float] = {
     "{side}_hip1": -115,

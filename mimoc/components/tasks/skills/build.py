@@ -101,7 +101,8 @@ def at_table(task: CruiseSpec, tree: BodyTree) -> Start:
     require(tree, task.kind, *(f"{side}_{part}" for side in ("right", "left") for part in ("hand", "foot")))
     standing = poses_of(tree)["standing"]
     start = resting_state(tree, replace(standing, angles_deg={**standing.angles_deg, **AT_TABLE}))
-    lowest_m, foremost_m = body_reaches(tree, start, (0.0, 0.0, -1.0)), body_reaches(tree, start, (1.0, 0.0, 0.0))
+    lowest_m = body_reaches(tree, start, (0.0, 0.0, -1.0))
+    foremost_m = body_reaches(tree, start, (1.0, 0.0, 0.0))
     arms = {name for name in lowest_m if name.endswith(ON_TABLE)}
     top_m = min(-lowest_m[name] for name in arms) - OVER_M
     edge_m = max(foremost_m[name] for name in lowest_m.keys() - arms if -lowest_m[name] < top_m) + CLEAR_M
@@ -171,14 +172,14 @@ def _thing(kind: str, place_m: FloatArray, quat: Quaternion) -> FreeObject:
 
 
 Shares = Mapping[Measure, tuple[float, float]]
-"""Of a term of the reward, by measure: the values at which the share is 0 and 1."""
+"""Shares of a term of the reward, by measure: the values at which the share is 0 and 1."""
 
 
 @dataclass(frozen=True)
 class Skill:
     """What an infant has to do."""
 
-    duration_s: float  # Of an episode.
+    duration_s: float  # Duration of an episode.
     posture: Mapping[Measure, float]  # The least of each measure in a posture that counts.
     reward: Mapping[str, tuple[float, Shares]]  # Weight and shares of each term of the reward, by its name.
     begin: Begin  # Returns how it begins, without an entry.
@@ -303,7 +304,8 @@ def build(task: SkillSpec, tree: BodyTree) -> TaskSetup:
     skill = SKILLS[f"{task.kind}_{choice}" if choice else task.kind]
     names = {body.name for body in tree.bodies}
     require(tree, task.kind, "head")
-    begin, weight_n = skill.begin(task, tree), GRAVITY_M_S2 * tree.mass_kg
+    begin = skill.begin(task, tree)
+    weight_n = GRAVITY_M_S2 * tree.mass_kg
     head_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
     entry = SkillEntry(
         kind=task.kind,

@@ -36,11 +36,14 @@ class BodyMeasures(Term):
 
     def __call__(self, worlds: Worlds, memory: Any) -> tuple[Any, Any]:
         """Return the measures, shape (k, m), and the place on the way, shape (k,), [m]."""
-        xp, turns, places_m = worlds.xp, _rows_of(worlds, "xmat", self.trunk), _rows_of(worlds, "xpos", self.trunk)
+        xp = worlds.xp
+        turns = _rows_of(worlds, "xmat", self.trunk)
+        places_m = _rows_of(worlds, "xpos", self.trunk)
         fronts_z, up_z = turns[..., 2, 0], turns[..., 2, 2]
         flat = xp.sqrt(xp.maximum(1 - fronts_z * fronts_z, xp.zeros_like(fronts_z)))
         turned = xp.sum(xp.atan2(flat, fronts_z), axis=-1) / (2 * pi)
-        ahead, heading = turns[:, 0, :2, self.forward_axis], memory["heading"]
+        ahead = turns[:, 0, :2, self.forward_axis]
+        heading = memory["heading"]
         length = xp.maximum(xp.hypot(ahead[:, 0], ahead[:, 1]), xp.ones_like(turned) * 1e-6)
         facing = (ahead[:, 0] * heading[:, 0] + ahead[:, 1] * heading[:, 1]) / length
         way = self.way_of(worlds, heading)
@@ -103,7 +106,8 @@ class Helper(Term):
 
     def __call__(self, worlds: Worlds, memory: Any) -> Any:
         """Return the forces and torques on the body, shape (k, 1, 6), in [N] and [N m]."""
-        xp, since = worlds.xp, memory["step"][:, None] - memory["push_at"]
+        xp = worlds.xp
+        since = memory["step"][:, None] - memory["push_at"]
         active = xp.astype((since >= 0) & (since < self.push_steps), memory["push_n"].dtype)
         sideways_n = xp.sum(active[..., None] * memory["push_n"], axis=1)
         is_carried = xp.astype(memory["step"] < self.support_steps, sideways_n.dtype)
@@ -125,7 +129,7 @@ class Skill(Term):
     effort: Term
     full: float  # Effort of all actuators at full strength.
     low: FloatArray
-    span: FloatArray  # Of commands, shape (n,).
+    span: FloatArray  # Difference of the highest and the lowest command, shape (n,).
     kept_steps: float
     way_m: float
     success_weight: float

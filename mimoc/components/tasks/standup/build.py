@@ -21,25 +21,25 @@ from mimoc.compiler.task_setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.components.tasks.standup import StandupEntry
 from mimoc.schema.task import TaskSpec
 
-STEPS = 500  # Of an episode (MIMo).
+STEPS = 500  # Length of an episode in steps (MIMo).
 BASE_IN_CHILDREN = 0.2 / 0.82
 """Height of the head that earns nothing, for one length of the child: at 18 months, 0.82 m long, 0.2 m (MIMo)."""
 STANDING = 0.85  # Share of the height of its head, when all joints are straight, from which on an infant stands.
 
 SIDES: tuple[Side, Side] = ("right", "left")
-LEANING_BACK_DEG = 48.0  # Of the pelvis.
+LEANING_BACK_DEG = 48.0  # Angle by which the pelvis leans back.
 TURN = matrix_from_axis((0.0, 1.0, 0.0), -math.radians(LEANING_BACK_DEG))
 """World from hip of a seated infant, shape (3, 3)."""
 CURVED_DEG: Mapping[str, float] = {"hip_bend1": 15.0, "hip_bend2": 15.0, "head_tilt": -10.0}
-"""The back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
+"""Curves the back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
 HIPS_DEG = range(-88, -101, -1)
-"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down.
-Further than the last, the legs of the youngest would touch the trunk."""
+"""Angles of the hips, of which the first that flat feet allow is taken: the knees are drawn up, the further the less
+the ankles bend down. Further than the last, the legs of the youngest would touch the trunk."""
 STRETCHED = 0.96
 """How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
 COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
 LOCKED = ("neck", "eyes", "left_hand", "right_hand")
-"""What neither stands up nor holds on, and would loll, and hands but for their wrists, which stay closed."""
+"""Groups that neither stand up nor hold on, and would loll, and hands but for their wrists, which stay closed."""
 WRIST = ("hand1", "hand2", "hand3")
 _PRECISION_DEG = 1e-9
 
@@ -177,13 +177,14 @@ class Rail:
     """A rail along y, on the floor at z = 0."""
 
     x_m: float
-    height_m: float  # Of its middle.
-    half_span_m: float  # From its middle to a post.
+    height_m: float  # Height of its middle.
+    half_span_m: float  # Distance from its middle to a post.
 
     @property
     def furniture(self) -> Furniture:
         """The bar and its posts."""
-        middle, size = (self.x_m, 0.0, self.height_m), (RAIL_RADIUS_M, self.half_span_m)
+        middle = (self.x_m, 0.0, self.height_m)
+        size = (RAIL_RADIUS_M, self.half_span_m)
         bar = WorldGeom("rail", "capsule", size, middle, _ALONG_Y, WOOD.name)
         return Furniture((bar, self._post("left", 1.0), self._post("right", -1.0)), (WOOD,))
 
@@ -193,7 +194,8 @@ class Rail:
         return (self.x_m, self.half_span_m, POST_RADIUS_M), (self.x_m, -self.half_span_m, POST_RADIUS_M)
 
     def _post(self, name: str, side: float) -> WorldGeom:
-        middle, size = (self.x_m, side * self.half_span_m, self.height_m / 2), (POST_RADIUS_M, self.height_m / 2)
+        middle = (self.x_m, side * self.half_span_m, self.height_m / 2)
+        size = (POST_RADIUS_M, self.height_m / 2)
         return WorldGeom(f"rail_post_{name}", "cylinder", size, middle, _UPRIGHT, WOOD.name)
 
 
@@ -202,7 +204,7 @@ class Seat:
     """How an infant sits: upright is along z, as in the world, with the hip at x = y = 0."""
 
     angles_rad: Mapping[str, float]
-    height_m: float  # Of the hip above the floor.
+    height_m: float  # Height of the hip above the floor.
 
     def in_world(self, place_m: FloatArray) -> FloatArray:
         """Return a place in the frame of the hip, shape (3,), as one in the world."""
@@ -225,9 +227,11 @@ def build(task: TaskSpec, tree: BodyTree) -> TaskSetup:
     )
     seat = _sit(tree, task.kind)
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
-    child_m, standing_m = length_m(tree), standing_height(tree) + float(frames(tree, {})["head"][0][2])
+    child_m = length_m(tree)
+    standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
     # How far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
-    seated, distances_m = frames(tree, seat.angles_rad), list[float]()
+    seated = frames(tree, seat.angles_rad)
+    distances_m = list[float]()
     for side in SIDES:
         stretched_m = STRETCHED * arm_length(tree, side, grips[side])
         x_m, _, z_m = seat.in_world(seated[f"{side}_upper_arm"][0]).tolist()
@@ -288,10 +292,12 @@ def _flat_foot(
     """
     least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
     ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
-    low, high = max(least_deg, thigh_deg + ankle_low_deg), min(most_deg, thigh_deg)
+    low = max(least_deg, thigh_deg + ankle_low_deg)
+    high = min(most_deg, thigh_deg)
 
     def leg(knee_deg: float) -> dict[str, float]:
-        knee, ankle = math.radians(-knee_deg), math.radians(knee_deg - thigh_deg)
+        knee = math.radians(-knee_deg)
+        ankle = math.radians(knee_deg - thigh_deg)
         return {f"robot:{side}_knee": knee, f"robot:{side}_foot1": ankle}
 
     def too_deep_m(knee_deg: float) -> float:

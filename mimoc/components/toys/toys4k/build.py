@@ -148,7 +148,9 @@ def load_mesh(path: Path, cache: MeshCache | None = None) -> ToyModel:
         shape = _shape(dataset.read_mesh(path, Path(os.path.realpath(path.parent))), kind, cache)
     except ToyError as error:
         raise ToyError(f"'{file}' {error}; give another file, or repair it") from None
-    name, parts, source = dataset.legible(path.stem), (Part(shape.looks),), f"{file}, {OWN_MESH}"
+    name = dataset.legible(path.stem)
+    parts = (Part(shape.looks),)
+    source = f"{file}, {OWN_MESH}"
     notes = _notes(name, file, shape)
     return ToyModel(name, name, parts, shape.solids, shape.volume, DENSITY_KG_M3, source, notes)
 

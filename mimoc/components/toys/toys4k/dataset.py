@@ -15,6 +15,9 @@ FOLDER_STRUCTURE = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or 
 
 MAX_BYTES = 500 * 10**6  # Maximum size of a mesh file.
 
+_READ_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+"""A pipe is opened without waiting for a writer; not every system has the last two."""
+
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
 _NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
 _VARIABLE = re.compile(r"\$(\w+|\{[^}]*\})", re.ASCII)
@@ -53,14 +56,17 @@ def find_toys(root: Path) -> Toys4K:
     """
     try:
         real = Path(os.path.realpath(root))
-        paths = dict(sorted(_objects_in(real), reverse=True))  # Of objects with the same name, the first is kept.
+        paths = dict[str, Path]()
+        for name, path in sorted(_objects_in(real)):
+            paths.setdefault(name, path)  # If objects have the same name, the first is kept.
     except (OSError, ValueError) as error:
-        where, reason = getattr(error, "filename", None) or root, getattr(error, "strerror", None) or error
+        where = getattr(error, "filename", None) or root
+        reason = getattr(error, "strerror", None) or error
         raise ToyError(f"{where}: cannot be read ({reason}); give the folder that Toys4K was unpacked to") from None
     if not paths:
         raise ToyError(f"{root}: contains no meshes of toys; give a folder with {FOLDER_STRUCTURE}")
-    linked_away = {name: path for name, path in sorted(paths.items()) if not lies_in(path, real)}
-    objects = {name: path for name, path in sorted(paths.items()) if name not in linked_away}
+    linked_away = {name: path for name, path in paths.items() if not lies_in(path, real)}
+    objects = {name: path for name, path in paths.items() if name not in linked_away}
     categories = defaultdict[str, list[str]](list)
     for name in objects:
         categories[category_of(name)].append(name)
@@ -98,7 +104,7 @@ def read_mesh(path: Path, root: Path) -> bytes:
     if not lies_in(path, root):
         raise ToyError(f"is a link to a file outside {root}")
     try:
-        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
+        with open(os.open(path, _READ_FLAGS), "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise ToyError(f"cannot be read ({error.strerror})") from None

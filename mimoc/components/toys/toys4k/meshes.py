@@ -91,7 +91,9 @@ def face_outwards(mesh: Mesh) -> Surface:
     from trimesh.graph import connected_component_labels
     from trimesh.grouping import group_rows
 
-    count, starts, ends = len(mesh.faces), mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    count = len(mesh.faces)
+    starts = mesh.faces.ravel()
+    ends = np.roll(mesh.faces, -1, axis=1).ravel()
     keys = np.minimum(starts, ends) * len(mesh.vertices) + np.maximum(starts, ends)
     edges = np.unique(keys, return_inverse=True)[1]
     pairs = np.asarray(group_rows(edges, require_count=2))
@@ -282,7 +284,8 @@ def _hull(points: FloatArray) -> Mesh:
     from trimesh.convex import convex_hull
 
     around = convex_hull(points, repair=False)  # Repairing requires networkx, which may not be installed.
-    vertices, faces = np.asarray(around.vertices, float), np.asarray(around.faces, np.intp)
+    vertices = np.asarray(around.vertices, float)
+    faces = np.asarray(around.faces, np.intp)
     a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
     inwards = np.einsum("ij,ij->i", np.cross(a, b), c) < 0
     return Mesh(vertices, np.where(inwards[:, None], faces[:, ::-1], faces))

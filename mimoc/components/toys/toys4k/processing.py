@@ -35,8 +35,8 @@ TOPS = {"obj": "y", "glb": "y", "ply": "z", "stl": "z"}
 _UPRIGHT: dict[str, FloatArray] = {"y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), "z": np.eye(3)}
 """Rotation that makes an axis point up."""
 VERSION = 3  # Version of the processing, incremented with each change of its results.
-MAX_FACES_SEEN = 5000
-MAX_FACES_READ = 4_000_000
+MAX_FACES_SEEN = 5000  # Most faces of the mesh that is seen.
+MAX_FACES_READ = 4_000_000  # Most faces of a file that is read.
 READING_LIMIT_S = 90
 MAX_SHELLS, MIN_FACES = 100, 8
 """A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes: only its
@@ -60,9 +60,9 @@ def set_down(normals: FloatArray, distances: FloatArray, top: str) -> FloatArray
     for axis in sorted(_UPRIGHT, key=lambda axis: axis != top):
         upright = _UPRIGHT[axis]
         tilt_deg = np.degrees(np.arccos(np.clip(normals @ -upright[2], -1, 1)))
-        fit = np.flatnonzero((tilt_deg < NEAR_DEG) & (lean_deg > STEADY_DEG))
-        if fit.size:
-            side = fit[np.argmin(tilt_deg[fit].round(1) - lean_deg[fit] / 1000)]
+        candidates = np.flatnonzero((tilt_deg < NEAR_DEG) & (lean_deg > STEADY_DEG))
+        if candidates.size:
+            side = candidates[np.argmin(tilt_deg[candidates].round(1) - lean_deg[candidates] / 1000)]
             return _turn_down(upright @ normals[side]) @ upright
     upright = _UPRIGHT[top]
     side = np.argmax(lean_deg * (1.5 - normals @ upright[2]))
@@ -122,29 +122,36 @@ def process(content: bytes, kind: str) -> Shape:
     except WorkerError as error:
         raise ToyError(str(error)) from None
     surface = face_outwards(clean(arrays["vertices"], arrays["faces"]))
-    whole = bool(surface.closed.all())
-    once, looks = _looks(surface)
-    flat = is_thin(looks.vertices)
-    if flat:
+    is_closed = bool(surface.closed.all())
+    one_sided, looks = _looks(surface)
+    is_flat = is_thin(looks.vertices)
+    if is_flat:
         parts = [thin_box(looks.vertices)]
-    elif (shells := surface.shells.max() + 1) > MAX_SHELLS and len(surface.mesh.faces) < MIN_FACES * shells:
-        parts = [hull(decimate(once, MAX_FACES).vertices)]
-    elif whole:
-        parts = convex_parts(decimate(once, MAX_FACES), simple=not surface.shells.any())
+    elif _is_soup(surface):
+        parts = [hull(decimate(one_sided, MAX_FACES).vertices)]
+    elif is_closed:
+        parts = convex_parts(decimate(one_sided, MAX_FACES), simple=not surface.shells.any())
     else:
         parts = _parts_with_holes(surface)
-    volume = _volume(surface.mesh if whole else None, parts)
+    volume = _volume(surface.mesh if is_closed else None, parts)
     rotation = _rotation(parts, TOPS[kind])
     low, high = np.min(looks.vertices @ rotation.T, axis=0), np.max(looks.vertices @ rotation.T, axis=0)
-    scale, middle = 1 / float((high - low).max()), (low + high) / 2
+    scale = 1 / float((high - low).max())
+    middle = (low + high) / 2
     ground = min(float((part.vertices @ rotation[2]).min()) for part in parts)
     placed = [_placed(part, rotation, np.array([middle[0], middle[1], ground]), scale) for part in parts]
     return Shape(
         looks=_placed(looks, rotation, np.array([middle[0], middle[1], low[2]]), scale),
-        solids=tuple(box_of(part) if flat else Solid("mesh", (), mesh=part) for part in placed),
+        solids=tuple(box_of(part) if is_flat else Solid("mesh", (), mesh=part) for part in placed),
         volume=volume * scale**3,
-        has_holes=not (whole or flat),
+        has_holes=not (is_closed or is_flat),
     )
+
+
+def _is_soup(surface: Surface) -> bool:
+    """Return whether a mesh is a soup of triangles: many shells with few faces each."""
+    shells = surface.shells.max() + 1
+    return bool(shells > MAX_SHELLS and len(surface.mesh.faces) < MIN_FACES * shells)
 
 
 def _parts_with_holes(surface: Surface) -> list[Mesh]:
@@ -152,7 +159,8 @@ def _parts_with_holes(surface: Surface) -> list[Mesh]:
 
     A surface with holes has no inside, so that coacd would take minutes to divide the two sides of its wall.
     """
-    mesh, closed = surface.mesh, surface.closed
+    mesh = surface.mesh
+    closed = surface.closed
     torn, whole = (decimate(only_used(mesh.vertices, mesh.faces[which]), MAX_FACES) for which in (~closed, closed))
     parts = [thin_box(torn.vertices) if is_thin(torn.vertices) else hull(torn.vertices)]
     if len(whole.faces) and not is_thin(whole.vertices):
