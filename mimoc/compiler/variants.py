@@ -1,5 +1,6 @@
 """Infants at all ages and in all scenes, alone or in one world, as an environment is handed them, and their skins."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cached_property, lru_cache
@@ -82,7 +83,7 @@ Ages = tuple[float, ...]  # Ages of the infants in their order, in months.
 Made = TypeVar("Made", bound=Variant)
 
 
-class _Variants(Generic[Made]):
+class _Variants(ABC, Generic[Made]):
     """Builds infants at any ages and in any scene, either one alone or several in one world."""
 
     has_other_scenes = True
@@ -99,9 +100,9 @@ class _Variants(Generic[Made]):
         spec = at_age(own.spec, age_months, checked=False)
         return own if spec is own.spec else builder(spec, younger=own, skin=own.has_skin)
 
+    @abstractmethod
     def _make(self, ages_months: Ages, scene_seed: int) -> Callable[[], Made]:
         """Return what gives out the infants in a scene, each time with a model of its own."""
-        raise NotImplementedError
 
 
 class SpecVariants(_Variants[Variant]):

@@ -175,11 +175,12 @@ def film_recording(folder: Path, progress: Progress = no_progress, name: str = "
     def watch(infant: Infant, _observation: object) -> None:
         film.watch(infant)
 
+    def progress_from(done: int) -> Progress:
+        return lambda steps_done, _: progress(done + steps_done, sum(steps))
+
     for number, infant in enumerate(recording.description.infants):
-        done = sum(steps[:number])
         who = f"infant {number}" if infant.world is None else infant.name
-        show = lambda steps_done, _, before=done: progress(before + steps_done, sum(steps))  # noqa: E731
-        chosen = {"infant": number, "watch": watch, "progress": show}
+        chosen = {"infant": number, "watch": watch, "progress": progress_from(sum(steps[:number]))}
         for replayed in replay_recording(recording, **chosen) if recording.of_infant(number) else ():
             if replayed.difference is not None:
                 raise MovementError(f"{folder}: cannot be measured, for it does not come out again: {replayed}")
