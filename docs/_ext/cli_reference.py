@@ -50,11 +50,11 @@ def _use(function: Any, command: str, epilog: str | None) -> Iterator[str]:
 
 
 def _parameters(function: Any) -> Iterator[tuple[str, inspect.Parameter, Any, Any]]:
-    """Yield the name, the parameter, what Typer knows of it, and the type of each argument and option."""
+    """Yield the name, the parameter, what Typer knows of it, and the type of what help shows."""
     hints = get_type_hints(function, include_extras=True)
     for name, parameter in inspect.signature(function).parameters.items():
         for info in getattr(hints[name], "__metadata__", ()):
-            if isinstance(info, ArgumentInfo | OptionInfo):
+            if isinstance(info, ArgumentInfo | OptionInfo) and not info.hidden:
                 yield name, parameter, info, get_args(hints[name])[0]
 
 

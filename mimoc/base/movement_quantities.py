@@ -15,6 +15,7 @@ from typing import Any
 from mimoc.base.quantity import Quantity
 
 ADDE = "Adde et al. 2009, Early Hum Dev 85: 541"
+DIMERCURIO = "DiMercurio et al. 2018, Front Psychol 9: 2613"
 HIGUCHI = "Higuchi 1988, Physica D 31: 277"
 THELEN = "Thelen & Fisher 1983, J Mot Behav 15: 353"
 TRUJILLO = "Trujillo-Priego & Smith 2017, J Rehabil Assist Technol Eng 4"
@@ -251,6 +252,17 @@ _MOVEMENTS: Rows = (
         "mean of the ankle's largest acceleration in each",
     ),
 )
+_HEAD: Rows = (
+    (
+        "head_midline_share",
+        "Head: in the midline",
+        "",
+        "share of frames in which the head is turned aside by less than 20°: the face, from the middle of the ears to"
+        " the nose, is that near to the plane across the line of the shoulders",
+    ),
+    ("head_aside_deg", "Head: turned aside, median", "°", "median of how far it is turned aside, to either side"),
+    ("head_turning_deg_s", "Head: speed of turning", "°/s", "mean speed at which the head turns aside or back"),
+)
 DETAILS = (
     *(*_of_recording(_END_DETAILS, "hand"), *_of_recording(_END_DETAILS, "foot")),
     *(*_of_recording([_ACCELERATION], "hand"), *_of_recording([_ACCELERATION], "foot")),
@@ -261,10 +273,11 @@ DETAILS = (
 JOINTS = (
     *_of_recording([(*row, THELEN) for row in _JOINTS]),
     *_of_recording([(*row, TRUJILLO) for row in _MOVEMENTS]),
+    *_of_recording(_HEAD),
 )
 """What is measured where places in space are known: of simulated infants, of markers, with a depth camera. Angles are
 those between the lines of points: at the hip trunk and thigh, at the knee thigh and shank, at the ankle shank and
-foot."""
+foot. Those of the head need nose, ears and shoulders."""
 
 Columns = Mapping[str, Any]
 
@@ -323,9 +336,85 @@ def _of_part(side: str, part: str) -> Iterator[Quantity]:
     yield of("looked_at_share", "share of time looked at", "", about, compute=partial(_looked_at, name))
 
 
-OF_MOVEMENT = tuple(
-    quantity for part in ("hand", "foot") for side in ("right", "left") for quantity in _of_part(side, part)
+TRUNK = "hip", "lower_body", "upper_body", "chest"
+GAP_S = 0.2  # A contact that ends for less goes on.
+APART = "; "  # Between the names of several things that one part touches.
+
+
+def _is_touched(columns: Columns, parts: Sequence[str]) -> dict[str, list[bool]]:
+    """Return for each hand in which rows it touches one of some parts of the own body."""
+    texts = {side: columns[f"{side}_hand_touches"] for side in ("right", "left")}
+    return {side: [not set(parts).isdisjoint(text.split(APART)) for text in texts[side]] for side in texts}
+
+
+def _touches_per_min(parts: Sequence[str], columns: Columns) -> float | None:
+    """Return how often a minute hands begin to touch some parts of the own body, both hands together."""
+    times_s = [float(time_s) for time_s in columns["time_s"]]
+    count = 0
+    for touched in _is_touched(columns, parts).values():
+        last_s = -math.inf
+        for time_s, is_touched in zip(times_s, touched, strict=True):
+            if is_touched:
+                count += time_s - last_s > GAP_S
+                last_s = time_s
+    return 60.0 * count / (times_s[-1] - times_s[0]) if len(times_s) > 1 else None
+
+
+def _self_touch_share(columns: Columns) -> float:
+    return _share(map(any, zip(*_is_touched(columns, ("head", *TRUNK)).values(), strict=True)))
+
+
+def _of_whole(name: str, label: str, unit: str, about: str, **how: Any) -> Quantity:
+    return Quantity(name, label, unit, about, over="movement", steps=("run",), **how)
+
+
+_HEAD_AND_GAZE = "mimoc.movement.head_and_gaze"
+_BEGIN = f"how often they begin to touch {{}}; a contact that ends for less than {GAP_S:g} s goes on"
+_OF_WHOLE = (
+    _of_whole(
+        "gaze_midline_share",
+        "Gaze: in the midline",
+        "",
+        "share of rows in which the mean line of sight of the eyes is within 20° of the plane across the line of the"
+        " shoulders",
+        compute=_HEAD_AND_GAZE,
+    ),
+    _of_whole(
+        "gaze_turning_deg_s",
+        "Gaze: speed of turning",
+        "°/s",
+        "mean speed at which the line of sight turns in the world, with the eyes, the head and the body",
+        compute=_HEAD_AND_GAZE,
+    ),
+    _of_whole(
+        "hands_self_touch_share",
+        "Hands: on the own head or trunk",
+        "",
+        "share of rows in which a hand touches the own head or trunk; either hand",
+        compute=_self_touch_share,
+    ),
+    _of_whole(
+        "hands_to_head_per_min",
+        "Hands: touches of the head",
+        "1/min",
+        _BEGIN.format("the head, both hands together"),
+        compute=partial(_touches_per_min, ("head",)),
+        source=DIMERCURIO,
+    ),
+    _of_whole(
+        "hands_to_trunk_per_min",
+        "Hands: touches of the trunk",
+        "1/min",
+        _BEGIN.format("the trunk, both hands together"),
+        compute=partial(_touches_per_min, TRUNK),
+        source=DIMERCURIO,
+    ),
 )
-"""What movement columns say of an episode: how each hand and foot moves, touches and bears, and what is looked at.
+OF_MOVEMENT = (
+    *(quantity for part in ("hand", "foot") for side in ("right", "left") for quantity in _of_part(side, part)),
+    *_OF_WHOLE,
+)
+"""What movement columns say of an episode: how each hand and foot moves, touches and bears, what is looked at, how the
+gaze turns, and how hands touch the own body.
 
 Lengths and speeds are those in the world, in metres and seconds, but for movement units, which are in trunks."""

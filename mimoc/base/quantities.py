@@ -123,8 +123,15 @@ POLICIES = (
     _of_policies("held_s", "Posture held for", "s", "of the behaviours that keep a posture"),
     _of_policies("held_share", "Held to the end", about="share of episodes, of the behaviours that keep a posture"),
     _of_policies("gaze_error_deg", "Error of the gaze, median", "°", "of the behaviour look_at"),
+    _of_policies("fixations_per_min", "Things looked at", "1/min", "of look_around, and of look_at what is seen"),
     _of_policies("reached_s", "Touched its target after", "s", "of the behaviour reach_for"),
     _of_policies("hand_closest_m", "Least distance of palm and target", "m", "of the behaviour reach_for"),
+    _of_policies("hand_units", "Movement units of a reach that arrived", about="of the behaviour reach_for"),
+    _of_policies(
+        "hand_path_ratio",
+        "Path by straight line of a reach that arrived",
+        about="from when the hand is first faster than .05 m/s; of the behaviour reach_for",
+    ),
     _of_policies("kick_hip_deg", "Excursion of the hip", "°", "of the behaviour kick"),
 )
 """What policies report besides; see `Policy`."""

@@ -169,6 +169,9 @@ def print_run(summaries: Mapping[str, RunSummary]) -> None:
     print_line(f"{counted(summary.episodes, 'episode')}, total reward {readable(summary.total_reward, DIGITS)}")
     rate_hz = summary.steps / summary.wall_s
     print_line(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+    for name, one in summaries.items():
+        for note in one.notes:
+            print_line(f"note: {name}: {note}" if name else f"note: {note}", "yellow")
 
 
 def print_measures(columns: Mapping[str, Mapping[str, Any]], title: str) -> None:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mimoc.studies.comparison import Reference as RealInfants
     from mimoc.studies.growth import GrowthReport, GrowthRow, MeasurementReport, MeasurementRow
     from mimoc.studies.milestones import Milestone, MilestoneReport
+    from mimoc.studies.milestones.trial import Conditions
     from mimoc.studies.movement import MovementReport, Row as MovementRow
 
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
@@ -101,7 +102,8 @@ def _deviation(row: MeasurementRow) -> Text | str:
 
 def print_milestones(report: MilestoneReport) -> None:
     """Print a row for each milestone, the sources, and the verdict."""
-    print_line(f"motor milestones, development {report.development}, {report.actuation} actuation")
+    tried = _conditions_in_words(report.conditions)
+    print_line(f"motor milestones, development {report.development}, {report.actuation} actuation; {tried}")
     healthy = [other.milestones for other in report.beside.values()]
     rows = [
         row
@@ -124,6 +126,15 @@ def print_milestones(report: MilestoneReport) -> None:
     print_line("age: fitted if a number of the law was chosen to reproduce it, which the verdict says; else predicted")
     failing = [f"{item.trial.name} {item.side}".rstrip() for item in report.milestones if item.failed]
     _print_windows("milestone", failing)
+
+
+def _conditions_in_words(conditions: Conditions) -> str:
+    if not conditions.are_of_nerves:
+        return "the body alone, without delays and noise"
+    if not conditions.noise:
+        return "with delays of senses and commands, without noise"
+    half = f"an attempt counts if at least half of {conditions.seeds} seeds succeed"
+    return f"with {'delays and ' if conditions.delays else ''}noise of senses and commands; {half}"
 
 
 def _print_windows(what: str, failing: Sequence[str]) -> None:

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.base.errors import MimocError, UnknownNameError
+from mimoc.base.errors import MimocError, UnknownNameError, check_name
 from mimoc.cli.arguments import AsJson, Beside, load_spec
 from mimoc.cli.terminal import FAILED_CHECK
 
 if TYPE_CHECKING:
     from mimoc.render.plots import Sheet
     from mimoc.schema.infant import InfantSpec
+
+NERVOUS = ("delays", "noise")  # What an infant can be tried without in milestones.
 
 Progress = Callable[[int, int], None]  # Called with the number of steps done and their total number.
 
@@ -58,16 +60,15 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
 
 
 def _against_milestones(
-    infant: InfantSpec | None, progress: Progress, *, delays: bool = False, beside: str | None = None
+    infant: InfantSpec | None, progress: Progress, *, without: frozenset[str] = frozenset(), beside: str | None = None
 ) -> Findings:
     from mimoc.cli.tables import print_milestones
     from mimoc.studies.growth_plots import rows_sheet
     from mimoc.studies.milestones import validate_milestones
     from mimoc.studies.milestones.trial import Conditions
 
-    report = validate_milestones(
-        infant, Conditions(delays=delays), processes=os.cpu_count() or 1, progress=progress, beside=beside
-    )
+    conditions = Conditions(**{part: part not in without for part in NERVOUS})
+    report = validate_milestones(infant, conditions, processes=os.cpu_count() or 1, progress=progress, beside=beside)
     sheet = partial(rows_sheet, report.rows, "real infants (line: usual age)", ("window", "reached"))
     return Findings(report.passed, report.to_data(), partial(print_milestones, report), sheet)
 
@@ -136,9 +137,14 @@ def validate(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp.")
     ] = None,
-    delays: Annotated[
-        bool, typer.Option("--delays", help="Milestones with the infant's own delays of senses and commands.")
-    ] = False,
+    without: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="Milestones without delays or noise of senses and commands; `delays,noise`: of the body alone.",
+        ),
+    ] = None,
+    delays: Annotated[bool, typer.Option("--delays", hidden=True)] = False,
     ages: _Ages = None,
     trials: _Trials = None,
     beside: Beside = None,
@@ -147,7 +153,8 @@ def validate(
 
     - `who`: length, weight and circumferences by WHO's growth standards for its sex: within 0.01 SD of what the spec
       asks for, and of the average child, within one SD of the mean of boys and girls.
-    - `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
+    - `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants;
+      with delays and noise of its senses and commands, those of its age if it asks for none.
     - `movement`: how it kicks, swings its shanks, lifts its hands, folds its legs, looks, grips and reaches, in the
       windows of real infants; predictions by which nothing of its law was chosen are listed last.
     - `skills`: from when on the average child has what was searched for, as it comes with mimoc; `mimoc skill` searches
@@ -160,7 +167,7 @@ def validate(
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))
-    options = _options(against, delays, ages, trials, beside)
+    options = _options(against, without, delays, ages, trials, beside)
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None
@@ -179,10 +186,14 @@ def validate(
         raise typer.Exit(FAILED_CHECK)
 
 
-def _options(against: str, delays: bool, ages: str | None, trials: str | None, beside: str | None) -> dict[str, object]:
+def _options(
+    against: str, without: str | None, delays: bool, ages: str | None, trials: str | None, beside: str | None
+) -> dict[str, object]:
     """Return the options that a comparison takes, or raise BadParameter if another is given."""
-    if delays and against != "milestones":
-        raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
+    if delays:
+        raise typer.BadParameter("milestones have delays and noise by default; '--without noise' is delays alone")
+    if without is not None and against != "milestones":
+        raise typer.BadParameter("only milestones have delays and noise; use it with --against milestones")
     if ages is not None and against != "movement":
         raise typer.BadParameter("only movements are tried at ages of choice; use it with --against movement")
     if trials is not None and against != "movement":
@@ -190,7 +201,10 @@ def _options(against: str, delays: bool, ages: str | None, trials: str | None, b
     if beside is not None and against not in ("milestones", "movement"):
         raise typer.BadParameter("only who tries stands beside another child; use --against milestones or movement")
     if against == "milestones":
-        return {"delays": delays, "beside": beside}
+        names = without.split(",") if without is not None else []
+        for name in names:
+            check_name("part of the nervous system", name, NERVOUS)
+        return {"without": frozenset(names), "beside": beside}
     if against == "movement":
         return {"ages": ages, "trials": trials, "beside": beside}
     return {}

@@ -128,11 +128,11 @@ class PointRecording:
         What has fewer than two frames in each cycle of the cutoff is only filled.
         """
         whole = self.filled()
-        depth_m = None if whole.depth_m is None else _smooth(whole.depth_m, self.rate_hz, cutoff_hz)
-        return replace(whole, positions=_smooth(whole.positions, self.rate_hz, cutoff_hz), depth_m=depth_m)
+        depth_m = None if whole.depth_m is None else low_passed(whole.depth_m, self.rate_hz, cutoff_hz)
+        return replace(whole, positions=low_passed(whole.positions, self.rate_hz, cutoff_hz), depth_m=depth_m)
 
 
-def _smooth(values: FloatArray, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) -> FloatArray:
+def low_passed(values: FloatArray, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) -> FloatArray:
     """Return values, whose first axis is time, without what is faster than infants move, and without a delay.
 
     Values that are fewer than two, or have fewer than two frames in each cycle of the cutoff, stay as they are.

@@ -40,7 +40,7 @@ from mimoc.schema.kinds import FORMATS
 RATE_HZ = 30.0  # Frames per second of MINI-RGBD, as its files are read.
 TRUNK_PX = 138.0  # Mean length of the trunk of the infants of MINI-RGBD: the camera is as high as this needs.
 SETTLING_S = 1.0  # Beginning of an episode that is left out, in which an infant starts from rest.
-SPACE_POINTS = (*MINI_RGBD_POINTS, *(f"{side}_ankle" for side in SIDES))
+SPACE_POINTS = (*MINI_RGBD_POINTS, *(f"{side}_{part}" for part in ("ankle", "ear") for side in SIDES), "nose")
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from mimoc.base.classes import takes
 from mimoc.base.movement_quantities import DETAILS
 from mimoc.motion.labels import SIDES
 from mimoc.motion.point_recording import FloatArray, PointRecording
+from mimoc.movement.head_and_gaze import head_measures
 from mimoc.movement.measures import (
     LIMB_POINTS,
     MOVING_TRUNK_S,
@@ -34,7 +35,7 @@ MAX_LAG_S = 0.5
 
 
 def joint_measures(recording: PointRecording, sides: Sequence[str] = SIDES) -> dict[str, float]:
-    """Return what is measured of the joints of the legs of some sides; nothing if places in space are not known."""
+    """Return what is measured of the legs of some sides and of the head; nothing if places in space are not known."""
     places_m = _in_space(recording)
     if places_m is None:
         return {}
@@ -47,6 +48,7 @@ def joint_measures(recording: PointRecording, sides: Sequence[str] = SIDES) -> d
         if f"left_{second}" in angles_deg:
             pairs = [(angles_deg[f"{side}_{first}"], angles_deg[f"{side}_{second}"]) for side in sides]
             values[f"{first}_{second}_r"] = float(np.mean([correlation(*pair) for pair in pairs]))
+    values |= head_measures(places_m, recording.rate_hz)
     values["hips_together_r"] = correlation(angles_deg["left_hip"], angles_deg["right_hip"])
     legs = [(angles_deg[f"{side}_hip"], angles_deg[f"{side}_knee"]) for side in sides]
     values["hip_knee_lag_s"] = float(np.mean([lag_s(hip, knee, recording.rate_hz) for hip, knee in legs]))
@@ -305,7 +307,7 @@ def _percentile(values: list[float], percent: float) -> float:
     return float(np.percentile(values, percent)) if values else math.nan
 
 
-OF_NO_SIDE = ("hands_", "feet_", "legs_", "hips_", "limbs_", "kicks_together_", "centroid_", "dimensions")
+OF_NO_SIDE = ("hands_", "feet_", "legs_", "hips_", "limbs_", "kicks_together_", "centroid_", "dimensions", "head_")
 """How the names of measures begin that are about both sides together, or about all of the body."""
 
 

@@ -12,11 +12,14 @@ from typing import Any
 import numpy as np
 
 from mimoc.base.units import ms_to_s
+from mimoc.policies.felt_hinges import SENSE, FeltHinges, Turned
 from mimoc.policies.movement_law import (
     ARMS,
     IS_LEFT,
     LEGS,
     LIMBS,
+    MIDLINE_PER_RAD,
+    MIDLINE_PER_RAD_S,
     OTHER_SIDE,
     POSTURES,
     STYLES,
@@ -163,9 +166,12 @@ class GeneralMovements:
         self._limb = put(joints.limbs)
         self._hinge = put(joints.hinges)
         self._other_side = put(OTHER_SIDE)
-        rows = ("flexion", "distal", "weights", "postures", "goals", "signs", "is_muscle", "low", "high")
+        rows = ("flexion", "distal", "weights", "postures", "goals", "to_head", "signs", "is_muscle", "low", "high")
         self._of = {name: put(getattr(joints, name)[None]) for name in rows}
         limbs_of = {"arms": ARMS, "legs": LEGS, "trunk": TRUNK, "left": IS_LEFT}
+        slots = np.full(hinges, len(joints.neck), np.intp)  # Of hinges that do not turn the head, there is a zero.
+        slots[joints.neck] = np.arange(len(joints.neck))
+        self._neck_slot, self._neck_rest_rad = put(slots), put(joints.neck_rest_rad[None])
         self._limbs_of = {name: put(array[None]) for name, array in limbs_of.items()}
         self._set_laws(laws)
         self.rate_gains = put(np.ones((1, limbs)))
@@ -176,7 +182,7 @@ class GeneralMovements:
         self._state = self._starts.split(normal)
         self._state |= {"slowly": self._state["slow"], "slowly_bend": self._state["bend"]}
         zeros = 0.0 * self._state["slow"]
-        self._state |= {"goal": zeros, "going": zeros}
+        self._state |= {"goal": zeros, "going": zeros, "touch": zeros, "touching": zeros}
         self._bursts = Bursts(self._xp, self._put, self._limb, 0.0 * self._state["activity"], zeros)
         self._set_styles()
 
@@ -185,13 +191,14 @@ class GeneralMovements:
         self._set_laws(laws)
         self._set_styles()
 
-    def step(self, uniform: Any, normal: Any, arousal: Any = 1.0) -> Any:
+    def step(self, uniform: Any, normal: Any, arousal: Any = 1.0, neck: Turned | None = None) -> Any:
         """Return the commands of the next control step, shape (k, n).
 
         Args:
             uniform: Numbers from 0 to 1, shape (k, uniforms).
             normal: Standard normal numbers, shape (k, normals).
             arousal: How awake the infants are, shape (k, 1), or one number: 0 is not at all, 1 quiet.
+            neck: What is felt of the hinges `Joints.neck`; None if nothing is, and the head lies where it falls.
         """
         chances = self._uniforms.split(uniform)
         noise = self._normals.split(normal)
@@ -209,7 +216,10 @@ class GeneralMovements:
         self._oscillate(noise["fidget"])
         self._begin_bursts(chances, noise, arousal)
         self._aim(chances, ease, arousal)
-        return self._commands(self._shares(arousal), arousal)
+        shares = self._shares(arousal)
+        if neck is not None:
+            shares = shares + self._to_midline(neck, arousal)
+        return self._commands(shares, arousal)
 
     def _set_laws(self, laws: Sequence[Law]) -> None:
         self._law = {name: self._put(np.array([[asdict(law)[name]] for law in laws])) for name in asdict(laws[0])}
@@ -283,6 +293,7 @@ class GeneralMovements:
         return along + xp.sqrt(1.0 - coherence**2) * of_hinges
 
     def _aim(self, chances: Mapping[str, Any], ease: float, arousal: Any) -> None:
+        """Let limbs leave for another goal, and arms for the head or back; both by the same chances."""
         xp, state, goals = self._xp, self._state, self._of["goals"]
         leaves = xp.take(chances["goal"] < self._law["goals_hz"] * arousal * self._step_s, self._limb, axis=1)
         count = goals.shape[1]
@@ -291,14 +302,28 @@ class GeneralMovements:
         for index in range(count):
             chosen = xp.where((choice >= index) & (choice < index + 1), goals[:, index, :], chosen)
         state["goal"] = xp.where(leaves, chosen, state["goal"])
-        state["going"] = state["going"] + ease * (state["goal"] - state["going"])
+        moves = xp.take(chances["goal"] < self._law["touch_hz"] * arousal * self._step_s, self._limb, axis=1)
+        is_there = xp.take(chances["choice"] < self._law["touch_share"], self._limb, axis=1)
+        state["touch"] = xp.where(moves, xp.where(is_there, self._of["to_head"], 0.0), state["touch"])
+        for name, target in (("going", "goal"), ("touching", "touch")):
+            state[name] = state[name] + ease * (state[target] - state[name])
 
     def _shares(self, arousal: Any) -> Any:
         law, state = self._law, self._state
         slowly = self._slow * self._along(self._in_pairs(state["slowly_bend"]), state["slowly"])
         level = self._xp.exp(law["size_swell"] * state["arousal"]) * arousal
         fidgety = law["fidget"] * self._scale * level * state["fidget"]
-        return self._posture + slowly + fidgety + self._bursts.shares(law["rebound"]) + law["goals"] * state["going"]
+        aimed = law["goals"] * state["going"] + law["touch"] * state["touching"]
+        return self._posture + slowly + fidgety + self._bursts.shares(law["rebound"]) + aimed
+
+    def _to_midline(self, neck: Turned, arousal: Any) -> Any:
+        """Return what brings the head to the midline, g min(a, 1) (p (q0 - q) - d v), as shares of shape (k, m)."""
+        xp = self._xp
+        away_rad = self._neck_rest_rad - neck.angles_rad
+        shares = self._law["midline"] * (MIDLINE_PER_RAD * away_rad - MIDLINE_PER_RAD_S * neck.speeds_rad_s)
+        none = 0.0 * self._state["arousal"]
+        awake = xp.minimum(none + arousal, none + 1.0)
+        return xp.take(xp.concat([awake * shares, none], axis=1), self._neck_slot, axis=1)
 
     def _commands(self, shares: Any, arousal: Any) -> Any:
         xp, of = self._xp, self._of
@@ -320,7 +345,8 @@ class Moving:
     """Moves infants with the same commands by themselves, as the law of their age and their arousal say.
 
     The style of each is drawn from its generator in the first step. It stays, also when the infant grows, and movement
-    goes on through episodes: what an infant does does not depend on what it senses.
+    goes on through episodes: limbs and trunk do not depend on what an infant senses. The head does, which it keeps in
+    the midline by the angles of the neck that it feels (`FeltHinges`).
     """
 
     def __init__(self, batch: Batch):
@@ -333,6 +359,11 @@ class Moving:
         step_s = ms_to_s(first.manifest.step_ms)
         self.movement = GeneralMovements(joints, laws, step_s, xp=batch.xp, put=batch.put)
         """The generator of their commands."""
+        self._neck = FeltHinges(batch, [joints.names[hinge] for hinge in joints.neck])
+
+    def metrics(self) -> Mapping[str, bool]:
+        """Return whether the head is kept in the midline by the state of the simulation, without a sense for it."""
+        return {} if self._neck.are_sensed else {f"midline_without_{SENSE}": True}
 
     def __call__(self, generators: Sequence[np.random.Generator], observation: Any) -> Any:
         """Return the actions of the next control step, shape (k, n)."""
@@ -347,4 +378,4 @@ class Moving:
             movement.set_laws([law_at(age) for age in ages])
             self._ages = ages
         uniform, normal = draw(generators, movement.uniforms, movement.normals)
-        return batch.actions(movement.step(put(uniform), put(normal), batch.arousals()))
+        return batch.actions(movement.step(put(uniform), put(normal), batch.arousals(), self._neck(observation)))

@@ -16,7 +16,7 @@ from mimoc.policies.named import (
     summed,
     with_silence,
 )
-from mimoc.policies.policy import Batch, BatchPolicy, Policy, PolicyMaker, batch_of, begin_rows, start_again
+from mimoc.policies.policy import Batch, BatchPolicy, Policy, PolicyMaker, batch_of, begin_rows, notes_of, start_again
 from mimoc.policies.spec import PolicyPart, parse_policy, split_behaviours
 from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.env import InfantEnv
@@ -93,6 +93,10 @@ class Single:
     def reset(self) -> None:
         """Begin an episode."""
         start_again(self._policy)
+
+    def notes(self) -> tuple[str, ...]:
+        """Return what the policy tells of a run in sentences."""
+        return notes_of(self._policy)
 
 
 class ByName:

@@ -1,5 +1,6 @@
 """How infants move by themselves, by age, and how they differ: the numbers of `GeneralMovements`, and their sources."""
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 
@@ -51,6 +52,10 @@ class Law:
     legs_out: float  # Posture: share of the muscles that turn the legs outwards, so that the feet come together.
     goals: float  # Size of movements towards goals, from 0 to 1.
     goals_hz: float  # Such movements a second of a limb.
+    touch: float  # Size of movements of the arms by which hands touch the head, from 0 to 1.
+    touch_hz: float  # How often a second an arm goes anew to the head or back.
+    touch_share: float  # Probability that it then goes to the head.
+    midline: float  # How far the infant keeps its head in the midline, from 0 (it lies where it falls) to 1.
 
 
 def law_at(age_months: float) -> Law:
@@ -96,14 +101,19 @@ COLUMNS: Mapping[str, tuple[float, ...]] = {
     "legs_out": (0.24, 0.24, 0.24, 0.24, 0.2, 0.16, 0.1, 0.08, 0.08),
     "goals": (0.0, 0.0, 0.0, 0.0, 0.3, 0.6, 1.0, 1.0, 1.0),
     "goals_hz": _constant(0.3),
+    "touch": (0.4, 0.4, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    "touch_hz": _constant(0.6),
+    "touch_share": _constant(0.2),
+    "midline": (0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0),
 }
 """Numbers of `Law` at `AGES_MONTHS`.
 
 Those at 3 months are fitted to aggregates of 12 real infants (MINI-RGBD; mean and standard deviation of 21 measures of
 movement and of further figures), with muscles. At other ages, directions follow Prechtl 1990, Einspieler & Prechtl
 2005, Thelen 1985, Thelen, Ridley-Johnson & Fisher 1983, Piek 1996, Chen 2020 and Lew & Butterworth 1997; `rate_hz`,
-`strength` and the postures keep kicks near published rates and excursions; sizes are otherwise ours
-(docs/general_movements.md).
+`strength` and the postures keep kicks near published rates and excursions. `touch` is fitted to one fact, that hands
+touch the head as often as the trunk in the first nine weeks (DiMercurio et al. 2018). `midline` lets the head be in the
+midline from three months on, and not before two. Sizes are otherwise ours (docs/general_movements.md).
 """
 
 
@@ -164,6 +174,11 @@ LEG: Mapping[str, float] = {
 """The same of a leg: hip and knee bend and the foot goes up (Thelen & Fisher 1983)."""
 SPINE: Mapping[str, float] = {"hip_bend1": 1.0, "hip_lean1": 0.0, "hip_rot1": 0.0}
 NECK: Mapping[str, float] = {"head_tilt": 1.0, "head_tilt_side": 0.0, "head_swivel": 0.0}
+NECK_REST_RAD: Mapping[str, float] = {"head_tilt": math.radians(5.0)}
+"""Angles of the neck at which the head is in the midline; 0 for those that are not named. A choice."""
+MIDLINE_PER_RAD, MIDLINE_PER_RAD_S = 2.5, 0.3
+"""Share of its strength by which the neck turns back for each radian that the head is away from the midline, and less
+for each [rad/s] that it turns so already: a choice, with which infants hold their head from three months on."""
 DISTAL = frozenset({"hand1", "hand2", "hand3", "fingers", "foot1", "foot2", "foot3", "toes", "big_toe"})
 WEIGHTS: Mapping[str, float] = {"hip1": 1.25, "knee": 0.62}
 """What bursts ask of a joint relative to others, 1 if it is not named here: so that hips turn by 30 to 60 degrees in a
@@ -185,6 +200,14 @@ GOALS: tuple[Mapping[str, float], ...] = (
     {"shoulder_horizontal": 0.5, "shoulder_ad_ab": -0.3, "elbow": 0.3, "hip1": 0.2, "knee": 0.3},
 )
 """Where limbs go with a goal, in shares: hands to the midline, the face and the knees; feet up, tucked, and down."""
+TO_HEAD: Mapping[str, float] = {
+    "shoulder_horizontal": 0.3,
+    "shoulder_ad_ab": 0.6,
+    "shoulder_rotation": -0.5,
+    "elbow": -0.3,
+}
+"""How the hand of an infant on its back comes to its head, in shares, as infants touch themselves in their first weeks:
+of 240 sets of shares in steps of .3, that with which a hand of one month touches the head most."""
 
 
 Roles = Sequence[tuple[str, str, float]]  # Limb, kind and flexion of hinges.
@@ -201,6 +224,10 @@ class Joints:
     weights: FloatArray  # What bursts ask of it relative to other joints, shape (m,).
     postures: FloatArray  # Share of each hinge in the postures of `POSTURES`, shape (postures, m).
     goals: FloatArray  # Its share at each goal, shape (goals, m).
+    to_head: FloatArray  # Its share where the hand goes to the head, shape (m,).
+    neck: IntArray
+    """Which hinges turn the head, shape (c,), as indices of the m."""
+    neck_rest_rad: FloatArray  # Their angles where the head is in the midline, shape (c,).
     hinges: IntArray  # The hinge of each command, shape (n,): m for one that is at rest.
     signs: FloatArray
     """What a share of 1 is in each command, shape (n,): -1 for a muscle that pulls towards negative angles."""
@@ -215,6 +242,7 @@ def joints_of(entry: ActuationEntry, actuation: Actuation) -> Joints:
     names = tuple(dict.fromkeys(item.joint for item in actuators if _role(item.joint)))
     roles = [role for name in names if (role := _role(name))]
     pulls = pulls_of(actuation)
+    neck = [hinge for hinge, (limb, _, _) in enumerate(roles) if limb == "head"]
     hinges = [names.index(item.joint) if item.joint in names else len(names) for item in actuators]
     return Joints(
         names,
@@ -224,6 +252,9 @@ def joints_of(entry: ActuationEntry, actuation: Actuation) -> Joints:
         np.array([WEIGHTS.get(part, 1.0) for _, part, _ in roles], np.float64),
         _shares(roles, POSTURES.values()),
         _shares(roles, GOALS),
+        _shares(roles, [TO_HEAD])[0],
+        np.array(neck, np.intp),
+        np.array([NECK_REST_RAD.get(roles[hinge][1], 0.0) for hinge in neck], np.float64),
         np.array(hinges, np.intp),
         np.where(pulls == 0.0, 1.0, pulls),
         np.abs(pulls),

@@ -1,12 +1,14 @@
 """From the name of a policy, or a sum of names, to the policy of an infant."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from mimoc.base.errors import PolicyError, check_name
 from mimoc.base.kinds import function_of
+from mimoc.policies.behaviours.behaviour import split_knowledge
 from mimoc.policies.behaviours.policy import BehaviourPolicy, NamedBehaviour
 from mimoc.policies.policy import (
     Batch,
@@ -19,10 +21,18 @@ from mimoc.policies.policy import (
     episode_limit_of,
     merged_metrics,
     metrics_of,
+    notes_of,
     numbered,
     start_again,
 )
-from mimoc.policies.spec import PolicyPart, parse_policies, parse_policy, split_behaviours
+from mimoc.policies.spec import (
+    PolicyPart,
+    needs_argument,
+    parse_policies,
+    parse_policy,
+    split_behaviours,
+    usage,
+)
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
 from mimoc.runtime.sound import VOICE_HIGH, VOICE_LOW
@@ -53,7 +63,7 @@ def policy_of(env: Infant, policy: str | PolicyMaker, load: Loader | None = None
     policies = [_bound(env, part, load) for part in others]
     labels = [part.label for part in others]
     if together:
-        named = [NamedBehaviour(part.label, _binding(part)) for part in together]
+        named = [_named_behaviour(part) for part in together]
         policies = [BehaviourPolicy(env, named), *policies]
         labels = ["behaviours", *labels]
     if env.manifest.actuation.voice:
@@ -124,6 +134,10 @@ class Sum:
         """Return what all of them tell of a run; a name that several have stands behind the label of each."""
         return merged_metrics([metrics_of(policy) for policy in self._policies], self._labels)
 
+    def notes(self) -> tuple[str, ...]:
+        """Return what all of them tell of a run in sentences, each once."""
+        return tuple(dict.fromkeys(note for policy in self._policies for note in notes_of(policy)))
+
 
 def summed(xp, actions, low, high):
     """Return the sum of commands, each an array of shape (..., n), as `Sum` says; `low` and `high` are in float64."""
@@ -142,6 +156,14 @@ def _bound(env: Infant, part: PolicyPart, load: Loader | None) -> Policy:
     if part.kind.run is None:
         return OfOne(bound_to_many(batch_of_one(env), part))
     return _binding(part)(env)
+
+
+def _named_behaviour(part: PolicyPart) -> NamedBehaviour:
+    assert part.kind
+    knowledge, argument = split_knowledge(part.kind.name, part.argument or "")
+    if not argument and needs_argument(part.kind):
+        raise PolicyError(f"'{part.text}': the policy '{part.kind.name}' needs more; write {usage(part.kind)}")
+    return NamedBehaviour(part.label, _binding(replace(part, argument=argument or None)), knowledge)
 
 
 def _binding(part: PolicyPart) -> Callable[[Any], Any]:

@@ -22,6 +22,7 @@ Policy = Callable[[np.random.Generator, Observation], np.ndarray]
 """Returns the action for an observation, shape (n,); all random numbers come from the generator.
 
 It can have a method `metrics()`, which returns numbers for the summary of a run, by name with the unit: `hand_error_m`;
+`notes()`, which returns sentences for it, such as what the policy knows that no sense tells;
 `steps_per_episode`, the control steps after which its episodes end, as in its training; `reset()`, which is called
 whenever an episode begins, for a policy that remembers what it sensed; and `begin()`, for one that puts the infant
 where its episodes begin, which returns what it observes there. Where nobody calls that, its first action does it.
@@ -39,6 +40,12 @@ def metrics_of(policy: Policy | BatchPolicy) -> Mapping[str, float]:
     """Return the numbers that a policy tells of a run; none for a policy that has no `metrics`."""
     metrics = getattr(policy, "metrics", None)
     return metrics() if metrics else {}
+
+
+def notes_of(policy: Policy | BatchPolicy) -> tuple[str, ...]:
+    """Return the sentences that a policy tells of a run; none for a policy that has no `notes`."""
+    notes = getattr(policy, "notes", None)
+    return tuple(notes()) if notes else ()
 
 
 def start_again(policy: Policy) -> None:
@@ -78,6 +85,10 @@ class OfOne:
     def metrics(self) -> Mapping[str, float]:
         """Return what the policy tells of a run."""
         return metrics_of(self.many)
+
+    def notes(self) -> tuple[str, ...]:
+        """Return what the policy tells of a run in sentences."""
+        return notes_of(self.many)
 
 
 def episode_limit_of(policy: Policy) -> float:
@@ -119,6 +130,8 @@ class Batch:
     """The array library of observations and actions, by the array API standard."""
     put: Put = np.asarray  # Moves NumPy's arrays to where observations are; real numbers get 32 bits on a device.
     is_on_device: bool = False  # Whether the infants live on a device, also if their arrays are copies for NumPy.
+    read: Callable[[str], Any] | None = None
+    """Returns a field of MuJoCo's state of all infants on a device, such as `qpos`, shape (k, nq)."""
 
     def limits(self) -> tuple[FloatArray, FloatArray]:
         """Return the smallest and largest commands of each, shape (k, n), as NumPy's."""
@@ -150,14 +163,25 @@ def batch_of(envs: Any) -> Batch:
     if not hasattr(envs, "worlds"):
         return Batch(envs.infants, lambda: np.array([[infant.arousal] for infant in envs.infants]))
     infants = _AssignedInfants(envs)
+    state = envs.worlds.state
     if envs.arrays == "numpy":
         return Batch(
-            infants, lambda: envs.worlds.arousal.level.cpu().numpy()[:, None].astype(np.float64), is_on_device=True
+            infants,
+            lambda: envs.worlds.arousal.level.cpu().numpy()[:, None].astype(np.float64),
+            is_on_device=True,
+            read=lambda field: getattr(state(), field).cpu().numpy().astype(np.float64),
         )
     if envs.arrays != "torch":
         raise PolicyError(f"policies take no arrays of '{envs.arrays}'; make the environment with arrays=\"torch\"")
     xp, put = torch_library(envs.worlds.arousal.level)
-    return Batch(infants, lambda: envs.worlds.arousal.level[:, None], xp, put, is_on_device=True)
+    return Batch(
+        infants,
+        lambda: envs.worlds.arousal.level[:, None],
+        xp,
+        put,
+        is_on_device=True,
+        read=lambda field: getattr(state(), field),
+    )
 
 
 class _AssignedInfants(Sequence[Infant]):

@@ -3,6 +3,7 @@
 The behaviour `reach_for` reaches by angles instead, across delays and with servos, as part of a posture.
 """
 
+import copy
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,13 +12,17 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.base.errors import ControlError
+from mimoc.base.errors import ControlError, PolicyError
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.policies.control.dynamics import arms_with_hands, find_frame, joints_between, limb_of, trunk_of
+from mimoc.policies.control.estimate import Estimate, Organs, Reader, SenseNoise, lacking, told_of
+from mimoc.policies.control.holding import RESTING_S
+from mimoc.policies.control.infant import DrivenInfant
 from mimoc.policies.control.inverse_dynamics import InverseDynamics
 from mimoc.policies.control.objectives import LOOKING, REACHING, Gains, GazeTask, OrientationTask, PositionTask, Posture
+from mimoc.runtime.delays import timing_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.sense import FloatArray, Observation
@@ -120,6 +125,11 @@ GENTLE = "low"
 strong gains causes a reaction force as large as its weight, and it falls over; with 5 m/s² it does not."""
 
 
+TRUTH = "truth"  # The word by which the infant reads the state of the simulation.
+Targets = tuple[Sequence[Any], Sequence[Any]]
+"""Targets of hands and of eyes, shape (3,) each, [m]."""
+
+
 class ReachController:
     """Makes all commanded hands reach for one target each, and the eyes look at one of the targets."""
 
@@ -157,6 +167,19 @@ class ReachController:
             reach.target = place_m
         for look in self._looks:
             look.target = places_m[watched % len(places_m)]
+
+    @property
+    def targets(self) -> "Targets":
+        """The target of each hand, and that of the eyes, shape (3,) each, [m]."""
+        return [reach.target for reach in self._reaches], [look.target for look in self._looks]
+
+    @targets.setter
+    def targets(self, targets: "Targets") -> None:
+        hands_m, eyes_m = targets
+        for reach, place_m in zip(self._reaches, hands_m, strict=True):
+            reach.target = place_m
+        for look, place_m in zip(self._looks, eyes_m, strict=True):
+            look.target = place_m
 
     def draw(self, generator: np.random.Generator) -> tuple[FloatArray, ...] | None:
         """Return a random reachable target for each hand, shape (3,), [m], or None if none is found."""
@@ -225,13 +248,21 @@ class ReachPolicy:
     Hands and eyes that take no commands are left out.
     """
 
-    def __init__(self, env: Infant, gains: ReachGains | None = None, next_targets_s: float = NEXT_TARGETS_S):
+    def __init__(
+        self,
+        env: Infant,
+        gains: ReachGains | None = None,
+        next_targets_s: float = NEXT_TARGETS_S,
+        *,
+        reads_truth: bool = False,
+    ):
         """Bind it to an infant; ControlError if it has servos, or no hand that takes commands.
 
         Without *gains*, these are gentle for an infant that sits freely, and strong for all others; other targets are
-        drawn after a time.
+        drawn after a time. An infant with the senses for it acts from its own estimate of its body, unless it
+        *reads_truth*.
         """
-        self._env, self._gains = env, gains
+        self._env, self._gains, self._reads_truth = env, gains, reads_truth
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
         self._steps = 0
         self._errors_m: list[list[float]] = []  # Errors of each turn just before the next targets, by hand.
@@ -240,7 +271,7 @@ class ReachPolicy:
         self._bind()
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> npt.NDArray[np.float32]:
-        """Return the action; it does not depend on the observation."""
+        """Return the action."""
         if self._env.model is not self._model:
             self._bind()  # The scene has changed.
         turn, step = divmod(self._steps, self._period)
@@ -258,11 +289,17 @@ class ReachPolicy:
         if self._ball is None:
             self._least_m[-1] = [*map(min, self._least_m[-1], self.errors()[0])]
         self._steps += 1
-        return self._control()
+        if self._felt is None:
+            return self._control()
+        return self._felt(observation, self._control.targets)
 
     def errors(self) -> tuple[list[float], list[float]]:
         """Return how far each hand [m] and each eye [rad] is from its target now."""
         return self._control.errors()
+
+    def notes(self) -> tuple[str, ...]:
+        """Return in sentences what the infant knows that its senses do not tell."""
+        return told_of(self._env.manifest, self._reads_truth)
 
     def metrics(self) -> dict[str, float]:
         """Return what a run tells of reaching, as far as there is something to tell.
@@ -289,13 +326,57 @@ class ReachPolicy:
         env = self._env
         self._model = env.model
         self._control = ReachController(env.model, env.data, env.manifest, self._gains)
+        is_told = self._reads_truth or lacking(env.manifest)
+        self._felt = None if is_told else FeltReach(env, self._gains)
         task: Any = env.manifest.task
         self._ball = env.model.body(task.ball.body).id if task.kind == "reach" else None
 
 
-def bind(env: Infant) -> ReachPolicy:
-    """Return the policy for an environment; see `ReachPolicy`."""
-    return ReachPolicy(env)
+class FeltReach:
+    """Reaching from what an infant takes the state of its body to be, when the commands that it sends now act."""
+
+    def __init__(self, env: Infant, gains: ReachGains | None):
+        """Bind it to an infant with the senses for it."""
+        self._env, self._gains = env, gains
+        infant, timing = DrivenInfant.of(env.model, env.manifest), timing_of(env.manifest, env.senses)
+        organs = Organs.of(env.model, env.manifest, timing, SenseNoise.of(env))
+        self._estimate = Estimate(infant, env.actuation.actuators, timing, organs)
+        self._reader = Reader(env)
+        self._control: ReachController | None = None
+
+    def __call__(self, observation: Observation, targets: "Targets") -> npt.NDArray[np.float32]:
+        """Return the action for what is observed; an episode begins with its first call, or where its steps are 0."""
+        env, estimate = self._env, self._estimate
+        if not np.isfinite(env.data.qpos).all():  # The simulation became unstable, and the episode is over.
+            return np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
+        if self._control is None or env.steps == 0:
+            held = env.data.ctrl[env.actuation.actuators].copy()
+            estimate.begin(env.data, held, _settled(env, self._gains))
+            self._control = ReachController(env.model, estimate.data, env.manifest, self._gains)
+        estimate.see(self._reader(observation), env.data, env.schedule.sent)
+        self._control.targets = targets
+        action = self._control()
+        for number in range(estimate.control_steps):
+            estimate.advance(number, action.astype(np.float64))
+        return estimate.send(action.astype(np.float64)).astype(np.float32)
+
+
+def _settled(env: Infant, gains: ReachGains | None) -> mujoco.MjData:
+    """Return the state after the infant has kept its hands where they are for some time, knowing all."""
+    model, data = env.model, copy.copy(env.data)
+    control = ReachController(model, data, env.manifest, gains)
+    for _ in range(round(RESTING_S / ms_to_s(env.manifest.step_ms))):
+        data.ctrl[env.actuation.actuators] = control()
+        mujoco.mj_step(model, data, round(ms_to_s(env.manifest.step_ms) / model.opt.timestep))
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def bind(env: Infant, text: str = "") -> ReachPolicy:
+    """Return the policy for an environment; see `ReachPolicy`. The text `truth` lets it read the simulation."""
+    if text not in ("", TRUTH):
+        raise PolicyError(f"'reach' does not take '{text}'; write reach or reach:{TRUTH}")
+    return ReachPolicy(env, reads_truth=text == TRUTH)
 
 
 @dataclass(frozen=True, slots=True)
@@ -315,7 +396,7 @@ def reach_errors(
     seconds: float = 2.0,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> ReachErrors:
-    """Let an infant reach from its starting pose for random targets, and return the errors over time.
+    """Let an infant that knows the state of its body reach for random targets, and return the errors over time.
 
     It is reset for each trial, which has a target for each hand; the eyes look at that of the first. Raises a
     ControlError if it has servos, or no hand that takes commands.
@@ -325,7 +406,7 @@ def reach_errors(
     trials_errors = []
     for trial in range(trials):
         observation, _ = env.reset(seed=trial)
-        policy = ReachPolicy(env, gains, seconds + step_s)
+        policy = ReachPolicy(env, gains, seconds + step_s, reads_truth=True)
         action = policy(generator, observation)
         errors = [policy.errors()]
         for _ in range(steps):

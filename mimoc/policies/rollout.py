@@ -11,7 +11,7 @@ import numpy as np
 
 from mimoc.base.units import ms_to_s
 from mimoc.policies.named import Loader, Policies, by_infant, policy_of
-from mimoc.policies.policy import Policy, begin, check_apart, episode_limit_of, metrics_of, start_again
+from mimoc.policies.policy import Policy, begin, check_apart, episode_limit_of, metrics_of, notes_of, start_again
 from mimoc.runtime.batch_env import infants_of
 from mimoc.runtime.infant import Infant
 from mimoc.runtime.quantities import EpisodeResult, StepMeasures, Value, measure
@@ -255,6 +255,7 @@ class RunSummary:
     measures: Mapping[str, Value]
     """All that is measured of a run, by the name of the quantity; None for a mean of nothing."""
     metrics: Mapping[str, float]  # What else the policy reports, by name with its unit; see `Policy`.
+    notes: tuple[str, ...] = ()  # Sentences that the policy tells of the run.
 
     @property
     def mean_return(self) -> float | None:
@@ -335,6 +336,7 @@ class Run(Rollout):
             successes=sum(result.success for result in results),
             measures={**measure("episode", "run", results), **self._measures[name].measures()},
             metrics=metrics_of(self.policies[name]),
+            notes=notes_of(self.policies[name]),
         )
 
 

@@ -11,11 +11,11 @@ import numpy.typing as npt
 from mimoc.base.classes import PATH, takes
 from mimoc.base.errors import RecordingError, UnknownNameError
 from mimoc.base.kinds import function_of
+from mimoc.base.movement_quantities import APART
 from mimoc.base.quantities import QUANTITIES
 from mimoc.base.quantity import Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.recording.description import RECORDING
-from mimoc.recording.movement_groups import APART
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 from mimoc.runtime.quantities import REDUCERS, EpisodeResult, Value, reduced
 

@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.base.movement_quantities import APART
 from mimoc.base.quantity import Quantity
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
@@ -328,7 +329,6 @@ def _motion(name: str, centre: tuple[str, str] = _CENTRE) -> list[Quantity]:
 
 
 Moment = tuple[np.ndarray, ...]
-APART = "; "  # Between the names of several things that one part touches.
 _FORCE = "MuJoCo's contacts and efc_force"
 
 

@@ -68,12 +68,15 @@ class Schedule:
             timestep_s = ms_to_s(timing.timestep_ms)
             self._motor_noise = NoisyMotors(noise, timing.period, timestep_s, actuation, streams)
         self._is_checked = False
+        self.sent: FloatArray | None = None
+        """Controls of the last action without noise, in its order: the efference copy; None before the first."""
         self._jittered = [line for delayed in self.samples.values() for line in delayed if line.delay.jitter]
         is_jittered = self._jittered or any(commands.delay.jitter for commands in self._commands)
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:
         """Forget all signals: the present samples are observed until later ones arrive, and nothing is commanded."""
+        self.sent = None
         if self._motor_noise:
             self._motor_noise.reset(data)
         for noise in self._noisy.values():
@@ -102,6 +105,7 @@ class Schedule:
 
     def begin(self, controls: FloatArray) -> tuple[Segment, ...]:
         """Take the controls of an action, and return the segments of the control step."""
+        self.sent = controls
         for commands in self._commands:
             commands.begin(controls)
         for samples in self._jittered:
@@ -160,6 +164,7 @@ class Schedule:
 
     @state.setter
     def state(self, state: Mapping[str, Any]) -> None:
+        self.sent = None
         for name, delayed in self.samples.items():
             for line, kept in zip(delayed, state["senses"][name], strict=True):
                 line.state = kept

@@ -352,7 +352,7 @@ POLICIES = Registry(
     (
         PolicyKind("random", "draws every command uniformly from its range", many=f"{_POLICIES}.policy:bind_random"),
         PolicyKind("zero", "commands zero", many=f"{_POLICIES}.policy:bind_zero"),
-        PolicyKind("reach", "reaches by inverse dynamics; not for servos", f"{_POLICIES}.reach"),
+        PolicyKind("reach", "reaches by inverse dynamics; not for servos", f"{_POLICIES}.reach", "[truth]"),
         PolicyKind(
             "general_movements",
             "moves by itself as infants of its age do",
@@ -373,7 +373,7 @@ POLICIES = Registry(
         PolicyKind("motion", "follows a recorded motion; not for servos", f"{_POLICIES}.motion", "DIR"),
         _behaviour("hold", "keeps the pose of the start", f"{_BEHAVIOURS}.postures:bind_hold"),
         _behaviour("sit", "sits without support", f"{_BEHAVIOURS}.postures:bind_sit", "[OPTIONS]"),
-        _behaviour("prone", "lies on its forearms, head up", f"{_BEHAVIOURS}.postures:bind_prone"),
+        _behaviour("prone", "lies on its forearms, head up", f"{_BEHAVIOURS}.postures:bind_prone", "[OPTIONS]"),
         _behaviour(
             "hands_and_knees", "keeps on hands and knees", f"{_BEHAVIOURS}.postures:bind_hands_and_knees", "[OPTIONS]"
         ),
@@ -381,11 +381,16 @@ POLICIES = Registry(
         _behaviour("kick", "kicks on its back", f"{_BEHAVIOURS}.kick", "[LEG]"),
         _behaviour(
             "look_at",
-            "looks at a toy, a part of a body, another infant or a place",
-            f"{_BEHAVIOURS}.aiming:bind_look",
+            "looks at a toy, a part of a body, another infant or a place, or at what it sees move",
+            f"{_BEHAVIOURS}.looking_around:bind_look",
             "TARGET",
         ),
-        _behaviour("reach_for", "reaches for one with a hand", f"{_BEHAVIOURS}.aiming:bind_reach", "TARGET[,HAND]"),
+        _behaviour(
+            "look_around",
+            "looks at one thing after another that its eyes see",
+            f"{_BEHAVIOURS}.looking_around:bind_look_around",
+        ),
+        _behaviour("reach_for", "reaches for one with a hand", f"{_BEHAVIOURS}.reaching:bind_reach", "TARGET[,HAND]"),
     ),
 )
 

@@ -130,6 +130,23 @@ def test_run_prints_a_summary(invoke, built, policy):
     assert re.search(r"^\d+ steps/s, [\d.]+ times real time$", done.out, re.MULTILINE)
 
 
+def test_run_says_what_behaviours_know_that_no_sense_tells(invoke, here):
+    """Of each infant of a world, below the table."""
+    senses = "senses: {proprioception: {}, vestibular: {}, touch: {}}"
+    for name, told in (("ann", "senses: {touch: {}}"), ("ben", senses)):
+        (here / f"{name}.yaml").write_text(f"mimoc: 1\nname: {name}\nage_months: 9\n{told}\n")
+    infants = "[{name: ann, spec: ann.yaml}, {name: ben, spec: ben.yaml, x_cm: 90}]"
+    (here / "both.yaml").write_text(f"mimoc: 1\nname: both\nscene: {{kind: flat}}\ninfants: {infants}\n")
+    done = invoke("run", "both.yaml", "--policy", "sit", "--steps", 1)
+    assert (done.code, done.err) == (0, "")
+    missing = "add 'proprioception' and 'vestibular' to the senses"
+    read = "behaviours read the true state of the body, as no sense tells"
+    _, *notes = " ".join(done.out.split()).split("note: ")
+    (note,) = notes
+    assert note.startswith(f"ann: {read} the angles of joints and the tilt of the trunk")
+    assert note.endswith(missing)
+
+
 def test_run_reports_episodes_if_there_is_a_task(invoke, built, here):
     (here / "turning.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\ntask: {kind: rollover, steps: 20}\n")
     assert invoke("build", "turning.yaml", "-o", "turning").code == 0
@@ -223,6 +240,10 @@ BAD_INPUT = {  # What is said, by the command.
     f"build {SPEC} -o /proc/new": "/proc/new: cannot be written",
     "validate --against cdc": "'cdc' is not a comparison; choose from anthrokids, milestones, movement, skills, who",
     "validate --against who --ages 1": "only movements are tried at ages of choice; use it with --against movement",
+    "validate --against milestones --without noises": "'noises' is not a part of the nervous system; did "
+    "you mean 'noise'?",
+    "validate --against who --without noise": "only milestones have delays and noise; use it with --against milestones",
+    "validate --against milestones --delays": "milestones have delays and noise by default; '--without noise' is ",
     "validate --against milestones one.yaml --beside helthy": "'helthy' is not a child to stand beside; did you mean "
     "'healthy'?",
     "validate --against milestones one.yaml --beside healthy": "nothing impairs this child; give it impairments, or "

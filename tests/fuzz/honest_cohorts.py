@@ -35,8 +35,8 @@ from mimoc.training.settings import check_learnable
 MAX_INFANTS = 4
 TRIES = 1000  # Cohorts that are drawn until one is valid.
 ENGINE = "here"  # Name of this module as an engine.
-NAMED = tuple(name for name, kind in POLICIES.items() if not needs_argument(kind))
-"""Policies that need nothing but their name."""
+NAMED = tuple(name for name, kind in POLICIES.items() if not needs_argument(kind) and name != "look_around")
+"""Policies that need nothing but their name, and no sense."""
 MODULE = """
 def probe(work, **options):
     return {"own": float(work.seed), "text": "é", "options": len(options)}

@@ -16,10 +16,11 @@ from mimoc.bundle.model import load_model
 from mimoc.movement.filming import Filmed, film_policy
 from mimoc.movement.report import measure_all
 from mimoc.movement.sample import distance, real_infants, standard_scores
+from mimoc.policies.felt_hinges import FeltHinges, Turned
 from mimoc.policies.general_movements import GeneralMovements, Moving, draw
 from mimoc.policies.movement_law import AGES_MONTHS, COLUMNS, Joints, Law, joints_of, law_at
 from mimoc.policies.named import policy_of
-from mimoc.policies.policy import Batch
+from mimoc.policies.policy import Batch, batch_of_one
 from mimoc.runtime.actuation import bind_actuation
 from mimoc.runtime.opening import open_infant
 from mimoc.schema.infant import InfantSpec
@@ -159,7 +160,9 @@ def both(xp, put, steps: int = 150) -> tuple[np.ndarray, np.ndarray]:
     other.start(put(start))
     for _ in range(steps):
         uniform, normal = numbers.random((3, plain.uniforms)), numbers.standard_normal((3, plain.normals))
-        expected, given_commands = plain.step(uniform, normal), other.step(put(uniform), put(normal))
+        neck = numbers.normal(0.0, 0.3, (2, 3, len(joints().neck)))
+        expected = plain.step(uniform, normal, 1.0, Turned(*neck))
+        given_commands = other.step(put(uniform), put(normal), 1.0, Turned(*map(put, neck)))
     return expected, np.asarray(given_commands)
 
 
@@ -174,11 +177,49 @@ def test_each_of_many_moves_as_it_does_alone():
     envs[1].set_arousal(1.5)
     generators = [np.random.default_rng(seed) for seed in range(3)]
     together = Moving(Batch(tuple(envs), lambda: np.array([[env.arousal] for env in envs])))
-    rows = np.array([together(generators, None) for _ in range(50)])
+    rows = np.array([together(generators, {}) for _ in range(50)])
     for number, env in enumerate(envs):
         alone, generator = policy_of(env, "general_movements"), np.random.default_rng(number)
         assert np.array_equal([alone(generator, {}) for _ in range(50)], rows[:, number])
         env.close()
+
+
+@pytest.mark.parametrize(("age_months", "is_kept"), [(1, False), (3, True)])
+@pytest.mark.parametrize("senses", [{}, {"proprioception": {}}])
+def test_the_head_is_kept_in_the_midline_from_three_months_on(age_months, is_kept, senses):
+    """By the angles of the neck that it feels, or, without the sense, by those of the simulation, which is said."""
+    with closing(open_infant(infant(age_months=age_months, senses=senses))) as env:
+        observation, _ = env.reset(seed=0)
+        swivel = env.data.joint("robot:head_swivel")
+        swivel.qpos[:] = 1.0
+        policy, generator = policy_of(env, "general_movements"), np.random.default_rng(0)
+        for _ in range(200):
+            observation, *_ = env.step(policy(generator, observation))
+        assert (abs(float(swivel.qpos[0])) < np.radians(20)) == is_kept
+        assert policy.metrics() == ({} if senses else {"midline_without_proprioception": True})
+
+
+def test_what_is_felt_of_the_neck_is_what_proprioception_says():
+    with closing(open_infant(infant(senses={"proprioception": {}}))) as env:
+        names = ["robot:head_tilt", "robot:head_swivel"]
+        felt = FeltHinges(batch_of_one(env), names)
+        env.data.joint("robot:head_tilt").qpos[:] = 0.25
+        late = {"proprioception": np.linspace(0.0, 1.0, len(env.layout("proprioception")))[None]}
+        columns = [env.layout("proprioception").index(f"{name} angle [rad]") for name in names]
+        assert felt(late).angles_rad == pytest.approx(late["proprioception"][:, columns])
+        assert felt({}).angles_rad == pytest.approx(np.array([[0.25, 0.0]]), abs=1e-3)
+
+
+def test_asleep_infants_let_the_head_lie():
+    """And the more awake they are, up to quiet wakefulness, the more they keep it in the midline."""
+    body = joints("torque")
+    movement = GeneralMovements(body, [law_at(3)] * 3, STEP_S)
+    movement.start(np.zeros((3, movement.starts)))
+    aside = Turned(np.full((3, 3), 0.1), np.zeros((3, 3)))
+    numbers = np.ones((3, movement.uniforms)), np.zeros((3, movement.normals))
+    level = np.array([[0.0], [0.5], [2.0]])
+    swivel = list(body.hinges).index(body.names.index("robot:head_swivel"))
+    assert movement.step(*numbers, level, aside)[:, swivel] == pytest.approx([0.0, -0.125, -0.25])
 
 
 def test_arousal_makes_it_move_more():

@@ -93,6 +93,7 @@ def test_each_infant_has_a_policy_of_its_own(world):
     summaries = ran(world, {"anna": "sit"}, 3)
     assert summaries["anna"].metrics["held_share"]
     assert not summaries["ben"].metrics  # It commands nothing.
+    assert [len(summaries[name].notes) for name in ("anna", "ben")] == [1, 0]
 
 
 def test_a_policy_of_no_infant_is_refused(world):
@@ -101,7 +102,7 @@ def test_a_policy_of_no_infant_is_refused(world):
 
 
 def test_infants_look_at_each_other(world):
-    summaries = ran(world, "anna=sit+look_at(ben),ben=sit+look_at:anna_right_hand", 60)
+    summaries = ran(world, "anna=sit+look_at(ben),ben=sit+look_at:anna_right_hand", 120)
     assert all(summary.metrics["held_share"] for summary in summaries.values())
     assert summaries["anna"].metrics["gaze_error_deg"] < 10
     assert summaries["ben"].metrics["gaze_error_deg"] < 15  # At first, 46: it faces her head.

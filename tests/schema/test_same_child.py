@@ -17,6 +17,7 @@ from mimoc.schema.body import INDICATORS
 from mimoc.schema.source import parse
 from mimoc.studies.growth import compare_with_anthrokids, grow_against_who
 from mimoc.studies.milestones import validate_milestones
+from mimoc.studies.milestones.trial import Conditions
 
 BY_CM = {"sex": "male", "length_cm": 66.0, "weight_kg": 7.2, "head_circumference_cm": 43.1}
 ATTEMPTED = "leg_lift"
@@ -80,7 +81,8 @@ def test_every_validation_says_the_same_of_a_child_by_cm_and_by_percentile():
     deviations = [[row.deviation for row in survey.rows] for survey in surveys]
     assert deviations[0] == pytest.approx(deviations[1], abs=1e-6)
     trials = [
-        validate_milestones(spec, names=[ATTEMPTED], ages=[0, 24]).to_data()["milestones"] for spec in (one, other)
+        validate_milestones(spec, Conditions(), names=[ATTEMPTED], ages=[0, 24]).to_data()["milestones"]
+        for spec in (one, other)
     ]
     assert [tried["success"] for tried in trials[0][0]["tried"]] == [
         tried["success"] for tried in trials[1][0]["tried"]
@@ -137,7 +139,7 @@ body:
     [
         grow_against_who,
         compare_with_anthrokids,
-        lambda spec: validate_milestones(spec, names=[ATTEMPTED], ages=[0, 7]),
+        lambda spec: validate_milestones(spec, Conditions(), names=[ATTEMPTED], ages=[0, 7]),
         lambda spec: SpecVariants(spec)(0.0, 0),
     ],
     ids=["who", "anthrokids", "milestones", "grow"],

@@ -3,7 +3,7 @@
 import math
 import re
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -15,8 +15,9 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.policies.control.dynamics import find_frame
+from mimoc.policies.control.holding import ESTIMATED_RAD_S, FREQUENCY_RAD_S
 from mimoc.policies.control.infant import DrivenInfant
-from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray, IntArray, Observation
 
 SEPARATOR = re.compile(r",(?![^(]*\))")  # A comma that is not in parentheses.
 NUMBER = r"\s*[-+]?\d*\.?\d+\s*"
@@ -38,24 +39,30 @@ class Arguments:
 
     words: tuple[str, ...]  # What has no name, such as a target and a side; a place is one word, `(0.3, 0, 0.2)`.
     numbers: Mapping[str, float]  # All options by their names, with their defaults where none is given.
+    flags: frozenset[str] = frozenset()  # Words of its own that are given, such as `still`.
 
 
-def read_arguments(behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0) -> Arguments:
-    """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError."""
-    words = list[str]()
+def read_arguments(
+    behaviour: str, text: str, options: Mapping[str, Option], most_words: int = 0, flags: Collection[str] = ()
+) -> Arguments:
+    """Return the arguments in a text, or raise a PolicyError or, for an option, an UnknownNameError.
+
+    *flags* are words of the behaviour's own, which are no target or side.
+    """
+    words, given = list[str](), list[str]()
     numbers = {name: option.default for name, option in options.items()}
     pieces = SEPARATOR.split(BARE_PLACE.sub(r"(\1)", text))
     for piece in (piece.strip() for piece in pieces if piece.strip()):
         name, sign, value = map(str.strip, piece.partition("="))
         if not sign:
-            words.append(piece)
+            (given if piece in flags else words).append(piece)
             continue
         check_name(f"setting of '{behaviour}'", name, options)
         numbers[name] = _number(behaviour, name, value, options[name])
     if len(words) > most_words:
-        takes = ", ".join(f"{name}={option.default:g}" for name, option in options.items()) or "no more"
+        takes = ", ".join((*flags, *(f"{name}={option.default:g}" for name, option in options.items()))) or "no more"
         raise PolicyError(f"'{behaviour}' does not take '{words[most_words]}'; it takes {takes}")
-    return Arguments(tuple(words), numbers)
+    return Arguments(tuple(words), numbers, frozenset(given))
 
 
 def place_of(word: str) -> tuple[float, float, float] | None:
@@ -80,6 +87,37 @@ def _number(behaviour: str, name: str, value: str, option: Option) -> float:
         bounds = f"a number from {option.low:g} to {option.high:g}"
         raise PolicyError(f"'{behaviour}': {name}={value} is not possible; give {bounds}")
     return number
+
+
+TRUTH, LAG = "truth", "lag_weeks"
+MAX_LAG_WEEKS = 26.0  # A choice.
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """How an infant knows its body: what every behaviour can be told besides its own arguments."""
+
+    reads_truth: bool = False  # Whether it reads the state of the simulation, as no infant can.
+    lag_weeks: float = 0.0  # How old its idea of its own weight is.
+
+    def __or__(self, other: "Knowledge") -> "Knowledge":
+        """Return the knowledge of an infant with two behaviours."""
+        return Knowledge(self.reads_truth or other.reads_truth, max(self.lag_weeks, other.lag_weeks))
+
+
+def split_knowledge(behaviour: str, text: str) -> tuple[Knowledge, str]:
+    """Return what a text says of how the infant knows its body, `truth` or `lag_weeks=4`, and the other arguments."""
+    knowledge = Knowledge()
+    others = list[str]()
+    for piece in text.split(","):
+        name, sign, value = map(str.strip, piece.partition("="))
+        if name == TRUTH and not sign:
+            knowledge |= Knowledge(reads_truth=True)
+        elif name == LAG and sign:
+            knowledge |= Knowledge(lag_weeks=_number(behaviour, name, value, Option(0.0, 0.0, MAX_LAG_WEEKS)))
+        else:
+            others.append(piece)
+    return knowledge, ",".join(others)
 
 
 T = TypeVar("T")
@@ -129,7 +167,7 @@ class Reaction(Generic[T]):
 
     def see(self, stimulus: T, time_s: float, generator: np.random.Generator) -> None:
         """Take a new stimulus; when it is reacted to is drawn now."""
-        due_s = time_s + self.conduction_s + self._decision_s(generator)
+        due_s = time_s + self.conduction_s + self.draw_s(generator)
         self._due.append((max([due_s, *(earlier_s for earlier_s, _ in self._due)]), stimulus))
 
     def at(self, time_s: float) -> T | None:
@@ -138,7 +176,8 @@ class Reaction(Generic[T]):
             self._reacted = self._due.popleft()[1]
         return self._reacted
 
-    def _decision_s(self, generator: np.random.Generator) -> float:
+    def draw_s(self, generator: np.random.Generator) -> float:
+        """Return how long a decision takes."""
         spread = math.sqrt(math.log1p(self.variation**2))
         return max(MIN_S, self.mean_s * math.exp(spread * generator.standard_normal() - spread**2 / 2))
 
@@ -160,6 +199,8 @@ class Subject:
     infant: DrivenInfant  # Its model, and the n hinges that its actuators drive.
     manifest: Manifest
     chance: Chance = field(default_factory=Chance)  # What the times of its reactions are drawn from.
+    reads_truth: bool = False  # Whether it knows the state of the simulation, as it was asked to.
+    estimates: bool = False  # Whether it has the senses to estimate the state of its body, and acts from that.
 
     @property
     def step_s(self) -> float:
@@ -195,16 +236,26 @@ class Behaviour:
     loose: IntArray | None = None
     """Those of its joints that bear nothing and only move what hangs on them; None for all, or, of a whole posture,
     none."""
+    frequency_rad_s: float | FloatArray = FREQUENCY_RAD_S
+    """How stiff its joints are: the natural frequency of all of them, or of each, shape (m,); see `holding`."""
+    estimated_rad_s: float = ESTIMATED_RAD_S
+    """The same of a posture of the whole body that an infant holds by an estimate of its body."""
     may_touch: frozenset[int] = frozenset()  # Bodies that it may bring to the floor, which counts against no posture.
 
     def begin(self, data: mujoco.MjData) -> None:
         """Begin an episode in a state."""
 
+    def settle(self, state: mujoco.MjData) -> None:
+        """See the state into which the posture settles, before the first control step of an infant that estimates."""
+
+    def sense(self, observation: Observation, time_s: float, generator: np.random.Generator) -> None:
+        """Sense what the infant observes before a control step; random numbers come from the policy's generator."""
+
     def targets(self, ahead: mujoco.MjData, time_s: float) -> FloatArray:
         """Return the angle that each of its joints is to go to, shape (m,), [rad].
 
-        It is asked anew for joints to which commands take longer, each time in the state in which the command takes
-        effect, as far as it can be predicted.
+        The state *ahead* is that in which the command takes effect, as the infant takes it to be. An infant that reads
+        the truth is asked anew for joints to which commands take longer.
         """
         raise NotImplementedError
 

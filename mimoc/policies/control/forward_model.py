@@ -34,6 +34,17 @@ class LateGroup:
     actuators: IntArray  # Indices in the model.
 
 
+def late_groups(model: mujoco.MjModel, actuators: IntArray, timing: Timing) -> list[LateGroup]:
+    """Return m commanded actuators by the delay of their commands, the shortest first."""
+    moved = model.jnt_bodyid[model.actuator_trnid[actuators, 0]]
+    delay_steps = timing.delay_steps(MOTOR, within(model, moved), len(actuators))
+    groups = list[LateGroup]()
+    for delay in np.unique(delay_steps).tolist():
+        which = np.flatnonzero(delay_steps == delay).astype(np.intp)
+        groups.append(LateGroup(delay, delay + timing.period, which, actuators[which]))
+    return groups
+
+
 class ForwardModel:
     """Foresees the states in which commands act that are sent now to m actuators.
 
@@ -51,15 +62,14 @@ class ForwardModel:
         self._model = model
         self._ahead = mujoco.MjData(model)
         self._state = state
-        moved = model.jnt_bodyid[model.actuator_trnid[actuators, 0]]
+        groups = late_groups(model, actuators, timing)
         self.control_steps = timing.period
         """Physics steps in a control step."""
-        self.delay_steps = timing.delay_steps(MOTOR, within(model, moved), len(actuators))
+        self.delay_steps = np.zeros(len(actuators), np.intp)
         """Physics steps after which commands act, shape (m,)."""
-        self._groups = dict[int, LateGroup]()  # By the physics step in which they begin, the earliest first.
-        for delay in np.unique(self.delay_steps).tolist():
-            which = np.flatnonzero(self.delay_steps == delay).astype(np.intp)
-            self._groups[delay] = LateGroup(delay, delay + self.control_steps, which, actuators[which])
+        for group in groups:
+            self.delay_steps[group.commands] = group.begin
+        self._groups = {group.begin: group for group in groups}  # By when they begin, the earliest first.
         self.longest = max(self._groups, default=0)
         """The longest delay."""
         self._sent: deque[FloatArray] = deque(maxlen=self.longest // self.control_steps + 1)

@@ -19,6 +19,7 @@ import numpy as np
 from mimoc.base.units import GRAVITY_M_S2
 from mimoc.bundle.model import in_subtrees
 from mimoc.policies.control.actuators import ActuatorInverse
+from mimoc.policies.control.estimate import Estimate
 from mimoc.policies.control.forward_model import OWN_STATE, ForwardModel
 from mimoc.policies.control.infant import DrivenInfant
 from mimoc.runtime.delays import Timing
@@ -26,6 +27,12 @@ from mimoc.runtime.sense import FloatArray, IntArray
 
 FREQUENCY_RAD_S = 14.0
 """Natural frequency w, the same for all: just below 1 / 60 ms, where the filters of activation would make it shake."""
+ESTIMATED_RAD_S = 10.0
+"""The same of a posture that is held by an estimate of the body, whose errors a stiff servo turns into torques that
+saturate muscles: at 14 rad/s, hips of a sitting infant do at 1 to 3 degrees. Fitted to sitting at 6 to 12 months."""
+RESTING_S = 1.0  # After which a posture that can be held is at rest on the floor (a choice).
+EYE_FREQUENCY_RAD_S = 60.0
+"""Natural frequency of eyes whose gaze is directed: their muscles are filtered over 10 ms only."""
 PAIRED = ("left_", "right_")
 
 
@@ -38,10 +45,17 @@ class Servo:
 
 
 def servo(
-    infant: DrivenInfant, data: mujoco.MjData, factor: float = 1.0, loose: Collection[int] = frozenset()
+    infant: DrivenInfant,
+    data: mujoco.MjData,
+    factor: float = 1.0,
+    loose: Collection[int] = frozenset(),
+    frequency_rad_s: float | FloatArray = FREQUENCY_RAD_S,
 ) -> Servo:
-    """Return the gains of an infant in a posture, positions computed; *loose* hinges bear nothing."""
-    frequency = factor * FREQUENCY_RAD_S
+    """Return the gains of an infant in a posture, positions computed; *loose* hinges bear nothing.
+
+    Natural frequencies are one for all hinges, or of each, shape (n,).
+    """
+    frequency = factor * frequency_rad_s
     bears = [slot not in loose for slot in range(len(infant.joints))]
     inertia_kgm2 = np.array([_inertia(infant, data, *pair) for pair in zip(infant.joints, bears, strict=True)])
     return Servo(frequency**2 * inertia_kgm2, 2.0 * frequency * inertia_kgm2)
@@ -50,8 +64,13 @@ def servo(
 class Controller:
     """Computes controls that keep the joints of an infant at target angles."""
 
-    def __init__(self, infant: DrivenInfant, gains: Servo, interval_s: float):
-        """Prepare a twin of the model, whose inertia has the damping of one interval between controls in it."""
+    def __init__(self, infant: DrivenInfant, gains: Servo, interval_s: float, pairs: bool = False):
+        """Prepare a twin of the model, whose inertia has the damping of one interval between controls in it.
+
+        With *pairs*, hinges that a tendon couples count as one, which turns by the mean of both: the light part between
+        them shakes, and what they carry does not.
+        """
+        self.model = infant.model
         self._infant, self._gains = infant, gains
         self._twin = copy.copy(infant.model)
         self._interval_s = interval_s
@@ -63,6 +82,21 @@ class Controller:
         self._acceleration = np.zeros((1, infant.model.nv))
         self._inverse = ActuatorInverse(infant, infant.actuators, interval_s)
         self._loads = _loads(infant)
+        self._pairs = _pairs(infant, self._loads) if pairs else None
+        self._carried_n = self._loads.weights_n
+
+    def let_lie(self, data: mujoco.MjData, slots: IntArray) -> None:
+        """Leave the weight of limbs that lie on something in a state to it, of driven hinges *slots*, shape (k,)."""
+        model, loads, is_own = self.model, self._loads, self._infant.is_own
+        pairs = model.geom_bodyid[data.contact.geom]
+        outside = is_own[pairs].sum(axis=1) == 1
+        borne = np.unique(pairs[outside][is_own[pairs[outside]]])
+        lies = np.zeros(model.nbody, bool)
+        for body in borne.tolist():
+            while body != self._infant.root and body:
+                lies[body] = True
+                body = int(model.body_parentid[body])
+        self._carried_n = np.where(lies[loads.bodies] & np.isin(loads.slots, slots), 0.0, loads.weights_n)
 
     def __call__(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
         """Return the controls, (nu,), for angles of all driven hinges, (n,), after a physics step; others' stay."""
@@ -79,19 +113,24 @@ class Controller:
         mujoco.mj_fwdPosition(self._twin, scratch)
         mujoco.mj_fwdVelocity(self._twin, scratch)
         angles, speeds = data.qpos.take(infant.angles), data.qvel.take(infant.dofs)
+        if self._pairs:
+            angles, speeds = self._pairs.of_angles(data.qpos), self._pairs.of_speeds(data.qvel)
         ahead = angles + self._interval_s * speeds
         # Torques that cancel springs and the weight of what hangs on the joints.
         loads = self._loads
         arms_m = scratch.subtree_com.take(loads.bodies, 0) - scratch.xanchor.take(loads.joints, 0)
         axes = scratch.xaxis.take(loads.joints, 0)
-        moments_nm = loads.weights_n * (axes[:, 1] * arms_m[:, 0] - axes[:, 0] * arms_m[:, 1])
+        moments_nm = self._carried_n * (axes[:, 1] * arms_m[:, 0] - axes[:, 0] * arms_m[:, 1])
         loads_nm = scratch.qfrc_spring.take(loads.dofs) + moments_nm
         carried_nm = np.bincount(loads.slots, loads_nm * loads.ratios, len(self._infant.joints))
         wanted = gains.stiffness_nm * (target_rad - ahead) - gains.damping_nms * speeds - carried_nm
         force = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias
         force[infant.dofs] += wanted
         mujoco.mj_solveM(self._twin, scratch, self._acceleration, force[None])
-        return wanted - self._step_damping * self._acceleration[0].take(infant.dofs)
+        acceleration = self._acceleration[0]
+        return wanted - self._step_damping * (
+            self._pairs.of_speeds(acceleration) if self._pairs else acceleration.take(infant.dofs)
+        )
 
 
 @dataclass(frozen=True)
@@ -125,6 +164,31 @@ def _loads(infant: DrivenInfant) -> _Loads:
     bodies, dofs = model.jnt_bodyid[at].astype(np.intp), model.jnt_dofadr[at].astype(np.intp)
     weights_n = GRAVITY_M_S2 * model.body_subtreemass[bodies]
     return _Loads(at, np.array(owners, np.intp), np.array(ratios), bodies, dofs, weights_n)
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """For each driven hinge, the one that a tendon couples to it, or itself."""
+
+    first: tuple[IntArray, IntArray]  # Where angle and speed of each driven hinge stand, shape (n,) each.
+    second: tuple[IntArray, IntArray]  # The same of the other.
+    ratios: FloatArray  # Rotation of the other by that of the first.
+
+    def of_angles(self, qpos: FloatArray) -> FloatArray:
+        """Return the mean angle of each pair, shape (n,)."""
+        return (qpos.take(self.first[0]) + qpos.take(self.second[0]) / self.ratios) / 2
+
+    def of_speeds(self, qvel: FloatArray) -> FloatArray:
+        """Return the mean speed, or acceleration, of each pair, shape (n,)."""
+        return (qvel.take(self.first[1]) + qvel.take(self.second[1]) / self.ratios) / 2
+
+
+def _pairs(infant: DrivenInfant, loads: _Loads) -> _Pairs:
+    second, ratios = infant.joints.copy(), np.ones(len(infant.joints))
+    second[loads.slots], ratios[loads.slots] = loads.joints, loads.ratios  # Coupled hinges come last.
+    model = infant.model
+    places, speeds = model.jnt_qposadr[second].astype(np.intp), model.jnt_dofadr[second].astype(np.intp)
+    return _Pairs((infant.angles, infant.dofs), (places, speeds), ratios)
 
 
 def _inertia(infant: DrivenInfant, data: mujoco.MjData, joint: int, bears: bool) -> float:
@@ -211,3 +275,63 @@ class Rehearsal:
                     total[group.commands] += controls[group.actuators]
         forward.send(commands := total / forward.control_steps)
         return commands
+
+
+class EstimatedHolding:
+    """Finds the commands of a control step from what an infant takes the state of its body to be.
+
+    The estimate is of the time at which commands sent now act, so nothing has to be foreseen beyond it: the controller
+    acts in it, physics step by physics step, and the mean of what it does is sent.
+    """
+
+    def __init__(self, infant: DrivenInfant, gains: Servo, actuators: IntArray, rows: IntArray, estimate: Estimate):
+        """Bind it to an estimate of m actuators, of which those in *rows*, shape (r,), are moved."""
+        self._actuators = actuators
+        self._rows = rows
+        self._control = Controller(infant, gains, infant.model.opt.timestep, pairs=True)
+        self._all_hinges = np.arange(len(infant.joints))
+        self.estimate = estimate
+
+    def settled(self, data: mujoco.MjData, target_rad: FloatArray, rest: FloatArray, lying: IntArray) -> mujoco.MjData:
+        """Return the state in which hinges come to rest that are held at angles, by a controller that knows all.
+
+        Of the limbs of the hinges *lying*, those that then lie on something are no longer carried. *rest* are the
+        commands of all actuators at rest, shape (m,).
+        """
+        state = copy.copy(data)
+        state.ctrl[self._actuators] = rest
+        self._come_to_rest(state, target_rad)
+        self._control.let_lie(state, lying)
+        self._come_to_rest(state, target_rad)
+        return state
+
+    def _come_to_rest(self, state: mujoco.MjData, target_rad: FloatArray) -> None:
+        model, moved = self._control.model, self._actuators[self._rows]
+        for _ in range(round(RESTING_S / model.opt.timestep)):
+            state.ctrl[moved] = self._control(state, target_rad)[moved]
+            mujoco.mj_step(model, state)
+        mujoco.mj_forward(model, state)
+
+    def begin(self, data: mujoco.MjData, settled: mujoco.MjData) -> None:
+        """Begin an episode in a state, with the controls and activations of the settled one."""
+        data.ctrl[self._actuators] = settled.ctrl[self._actuators]
+        data.act[:] = settled.act
+        self.estimate.begin(data, settled.ctrl[self._actuators].copy(), settled)
+
+    def __call__(self, propose: Propose, rest: FloatArray) -> FloatArray:
+        """Return the commands of `rows` to send now, shape (r,); *propose* says where hinges go; see `Rehearsal`."""
+        estimate = self.estimate
+        target_rad = propose(estimate.data, self._all_hinges).copy()
+        total = np.zeros(len(self._actuators))
+        commands = rest.copy()
+        moved = self._actuators[self._rows]
+        for number in range(estimate.control_steps):
+            commands[self._rows] = self._control(estimate.data, target_rad)[moved]
+            estimate.advance(number, commands)
+            total += commands
+        return estimate.send(total / estimate.control_steps)[self._rows]
+
+    @property
+    def delay_steps(self) -> IntArray:
+        """Physics steps after which commands of `rows` act, shape (r,)."""
+        return self.estimate.delay_steps[self._rows]

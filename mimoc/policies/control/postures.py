@@ -1,6 +1,6 @@
 """Postures that infants hold: seated, prone on the forearms, on hands and knees, standing; and when one is lost."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import mujoco
 import numpy as np
@@ -46,7 +46,14 @@ PRONE_UP_DEG = 45.0  # How far the face has to be turned up from straight down: 
 MIN_PITCH_DEG, MAX_PITCH_DEG = -30.0, 40.0  # Range of the pitch of the pelvis in which a seat is looked for.
 
 
-def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
+SEATED_ARMS_DEG: Mapping[str, float] = {"{side}_shoulder_ad_ab": 20.0, "{side}_elbow": -60.0}
+STANDING_LIMBS_DEG: Mapping[str, float] = {"{side}_elbow": -15.0}
+"""Angles of arms in the trials, by the names of joints as for `DrivenInfant.placed`."""
+
+
+def seat(
+    infant: DrivenInfant, knee_deg: float, lean: float, arms_deg: Mapping[str, float] = SEATED_ARMS_DEG
+) -> mujoco.MjData:
     """Return an infant sitting with seat and heels on the floor, its centre of mass over some point between them.
 
     The tilt of the pelvis, and the hips that bring the heels to the floor, are found by bisection.
@@ -62,8 +69,7 @@ def seat(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
                     "{side}_hip1": hip_deg,
                     "{side}_hip2": -35.0,
                     "{side}_knee": knee_deg,
-                    "{side}_shoulder_ad_ab": 20.0,
-                    "{side}_elbow": -60.0,
+                    **arms_deg,
                     "head_tilt": -pitch_deg,
                 },
                 into=data,
@@ -89,18 +95,20 @@ def slumped(infant: DrivenInfant, data: mujoco.MjData, forbidden: frozenset[int]
     return "head tilted" if tilt_deg(data, infant.body("head")) > MAX_TILT_DEG else ""
 
 
-def stance(infant: DrivenInfant, knee_deg: float, lean: float) -> mujoco.MjData:
+def stance(
+    infant: DrivenInfant, knee_deg: float, lean: float, limbs_deg: Mapping[str, float] = STANDING_LIMBS_DEG
+) -> mujoco.MjData:
     """Return an infant standing with flat soles on the floor, its centre of mass over some point of its feet.
 
     The hips bend half as far as the knees, or as far as a young hip is bent anyway; the ankles, and with them the lean
-    of the whole infant, are found by bisection.
+    of the whole infant, are found by bisection. The other joints are as *limbs_deg* says.
     """
     knee = float(np.clip(knee_deg, *infant.range_deg("left_knee")))
     hip = min(knee_deg / 2, infant.range_deg("left_hip1")[1])
     data = mujoco.MjData(infant.model)
 
     def placed(ankle: float) -> mujoco.MjData:
-        angles_deg = {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, "{side}_elbow": -15.0}
+        angles_deg = {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, **limbs_deg}
         return infant.placed(ankle + knee - hip, angles_deg, into=data)
 
     return bisect(*infant.range_deg("left_foot1"), placed, lambda data: _lean_over_feet(infant, data) > lean)

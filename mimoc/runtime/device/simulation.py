@@ -134,6 +134,10 @@ class DeviceBatch:
         }
         self.default_starts = self.starts(AS_BUILT)
 
+    def state(self) -> Any:
+        """Return the present state of all worlds, whose fields are views."""
+        return self._worlds
+
     def become(self, infants: Sequence[InfantEnv], body_of_world: IntArray, worlds: IntArray) -> None:
         """Put other bodies, as built, into some worlds; all else continues."""
         models = [infant.model for infant in infants]

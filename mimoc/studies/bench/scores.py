@@ -20,6 +20,7 @@ from mimoc.base.units import ms_to_s
 from mimoc.bundle.io import LOCK, digests
 from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_file, read_regular_file
 from mimoc.compiler import building
+from mimoc.motion.hand_movement import UNIT_M_S, Movement
 from mimoc.movement.filming import Film
 from mimoc.movement.measured import measure_movement
 from mimoc.movement.sample import distance, real_infants
@@ -32,7 +33,6 @@ from mimoc.runtime.sense import FloatArray
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real, Whole
 from mimoc.studies.bench.table import Cell, bench_table, chosen_cells
-from mimoc.studies.experiments.sensed_reaching import UNIT_M_S, Movement
 from mimoc.studies.notebook import table_rows
 
 MAX_BYTES = 2**29  # Largest file of a policy that results name: 512 MB, as for any policy.

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 _NAMES = (
     *("growth", "strength", "acuity", "delays", "inverse", "rooms", "development", "growing"),
     *("kicking", "weights", "mobile", "contingency", "stepping", "looking", "localisation", "regard"),
+    "sitting",
 )
 _NAMED = {"mobile": "contingency:MOBILE", "contingency": "contingency:CONTINGENCY"}
 EXPERIMENTS: Mapping[str, str] = {  # Where each is, as `module:NAME`.

@@ -12,13 +12,14 @@ from mimoc.base.quantities import AGE, Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.compiler import building
 from mimoc.compiler.presets import motor_share
+from mimoc.motion.hand_movement import UNIT_M_S
 from mimoc.policies.reach import GAIN_SETS
 from mimoc.render.plots import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.experiment import Table, child
-from mimoc.studies.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M, UNIT_M_S, Reach, reach_once
+from mimoc.studies.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M, Reach, reach_once
 from mimoc.studies.notebook import page_text, table_rows, yes
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)  # Delays of the senses, the paper's.

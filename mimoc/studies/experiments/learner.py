@@ -12,10 +12,10 @@ from mimoc.base.quantities import TRAINED, Quantity
 from mimoc.base.units import ms_to_s
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
+from mimoc.motion.hand_movement import Movement
 from mimoc.render.plots import Band, Line, Plot
 from mimoc.runtime.quantities import EpisodeResult
 from mimoc.runtime.sense import FloatArray
-from mimoc.studies.experiments.sensed_reaching import Movement
 from mimoc.studies.jobs import Progress
 from mimoc.studies.notebook import Cell, Notebook
 from mimoc.training import Curve, Training, train

@@ -130,8 +130,14 @@ MOBILE: Mapping[str, Any] = {  # The object of `configs/mobile.yaml`.
 VISION: Mapping[str, Any] = {"contrast": "age", "colour": "age", "field": "age", "focus": "age", "fovy_deg": 100}
 """Eyes that mature, with pictures that reach beyond what is noticed until five months."""
 SIZE_PX = 160
-POLICIES: Mapping[str, str] = {"moves": "general_movements", "looks": "look_at:mobile+general_movements"}
-LABELS: Mapping[str, str] = {"moves": "only moves", "looks": "looks at the mobile"}
+POLICIES: Mapping[str, str] = {
+    "moves": "general_movements",
+    "sees": "look_around+general_movements",
+    "looks": "look_at:mobile+general_movements",
+}
+LABELS: Mapping[str, str] = {"moves": "only moves", "sees": "looks around", "looks": "looks at the mobile"}
+SEEING_PX: Mapping[str, int] = {"sees": 64}
+"""Size of the pictures that an infant acts from, by condition; the others need none."""
 WATCHED_S, PICTURED_S = 0.2, 2.0
 """How often lines of sight are followed, and how often the infant's pictures are compared."""
 ON_DEG, ON_S = 8.0, 0.2
@@ -228,7 +234,7 @@ def lying(age_months: float, size_px: int = 0) -> Bundle:
 def watch(case: Case, seed: int) -> TrialResult:
     """Return what an infant has before its eyes while it lies under the mobile."""
     with (
-        closing(InfantEnv(lying(case.age_months))) as env,
+        closing(InfantEnv(lying(case.age_months, SEEING_PX.get(case.condition, 0)))) as env,
         closing(Pictures(lying(case.age_months, SIZE_PX))) as pictures,
     ):
         run = Run(env, POLICIES[case.condition], seed)
@@ -345,6 +351,7 @@ def _plots(results: Results) -> Iterator[Plot]:
     yield Plot(AGE, CONTRAST, *zip(*contrasts, strict=True), title="Contrast of the mobile that is looked at")
     names = {"hand_noticed": "noticed", "hand_regarded": "and in focus", "hand_near": f"within {NEAR_DEG:g}°"}
     hands = [curve("moves", name, label) for name, label in names.items()]
+    hands.append(curve("sees", "hand_near", f"within {NEAR_DEG:g}°, looks around"))
     published = Dots(HEAD_CAMERA_MONTHS, [100 * HEAD_CAMERA_SHARE] * 2, "head cameras, any hands (from memory)")
     lines, bands = zip(*hands, strict=True)
     yield Plot(AGE, SHARE, lines, bands, (published,), title="A hand of its own is before the eyes")
@@ -383,16 +390,20 @@ def _answer(results: Results) -> str:
         values = results.values(case, name)
         return float(np.mean(values)) if values else float("nan")
 
-    moving, looking = ([case for case in results.by_case if case.condition == name] for name in ("moves", "looks"))
+    moving, seeing, looking = ([case for case in results.by_case if case.condition == name] for name in POLICIES)
     ages = [case.age_months for case in moving]
     ends = (moving[0], moving[-1])
     kept = [100 * mean(case, "contrast_observed") / mean(case, "contrast_drawn") for case in (looking[0], looking[-1])]
     hands, near = ([mean(case, name) for case in ends] for name in ("hand_regarded", "hand_near"))
+    found = [[mean(case, name) for case in (seeing[0], seeing[-1])] for name in ("gaze_on", "hand_near")]
     return (
         f"From {ages[0]:g} to {ages[-1]:g} months, the share of the mobile's contrast that an infant observes goes "
         f"from {kept[0]:.0f} to {kept[1]:.0f} % while it looks at it. A hand of its own is in the noticed field and in "
         f"focus for {hands[0]:.0f} and {hands[1]:.0f} % of the time while it only moves, and within {NEAR_DEG:g} "
-        f"degrees of the line of sight, whatever it notices, for {near[0]:.0f} and {near[1]:.0f} %."
+        f"degrees of the line of sight, whatever it notices, for {near[0]:.0f} and {near[1]:.0f} %. "
+        f"While it looks around at what its eyes see, its gaze is on the mobile for {found[0][0]:.0f} and "
+        f"{found[0][1]:.0f} % of the time, and a hand is so near to the line of sight for {found[1][0]:.0f} and "
+        f"{found[1][1]:.0f} %."
     )
 
 

@@ -17,7 +17,7 @@ from mimoc.studies.comparison import GOOD, AgeRange, Verdict, read_figures
 from mimoc.studies.growth_plots import AgeRow
 from mimoc.studies.jobs import Progress
 from mimoc.studies.milestones.search import SearchResult, ages_of, search_trials
-from mimoc.studies.milestones.trial import Conditions, Trial
+from mimoc.studies.milestones.trial import USUAL, Conditions, Trial
 from mimoc.studies.milestones.trials import FURTHER, TRIALS
 
 WINDOWS: Mapping[str, AgeRange] = dict(read_figures(Path(__file__).with_name("windows.csv"), AgeRange))
@@ -163,7 +163,7 @@ def validate_milestones(
 
     Args:
         spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
-        conditions: Under which conditions it tries; None means the usual ones.
+        conditions: Under which conditions it tries; None means with delays and noise of its senses and commands.
         names: The trials, of `TRIALS`.
         ages: Ages to try, in months; None means every half month from birth, or term, to two years. A child that was
             born early is judged by its corrected age.
@@ -187,7 +187,7 @@ def validate_milestones(
     for age_months in ages or ages_of(infant):  # Before minutes of trials.
         with errors_at(infant, age_months):
             child_of(at_age(infant, age_months, checked=False))
-    usual = conditions or Conditions()
+    usual = conditions or USUAL
     further = {trial.name for trial in FURTHER}
 
     def report(child: InfantSpec) -> MilestoneReport:

@@ -1,13 +1,12 @@
-"""A trial: attempts of an infant at something, simulated until they fail or succeed, with control across delays.
+"""A trial: attempts of an infant at something, simulated until they fail or succeed.
 
-The infant's senses tell of the past, and its commands wait on their way to the muscles. From what was sensed, the
-present state is estimated by the commands that have acted since (`Estimator`), and from there on, the control step in
-which a command sent now acts is simulated (`Rehearsal`), each signal over its own delay. This forward model is exact
-but for pushes, which nobody announces: the infant learns of them after the delay of its senses.
+With delays or noise, the infant acts from what its own senses tell (`mimoc.studies.milestones.nerves`); with noise,
+each attempt is simulated with several seeds, of which at least half have to succeed. Nobody announces pushes: the
+infant learns of them after the delay of its senses. Without both, its body alone is tried, by a controller that knows
+all.
 """
 
 import copy
-from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -15,23 +14,22 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
-from mimoc.compiler.child import child_of
+from mimoc.bundle.io import Bundle
 from mimoc.compiler.measuring import compile_infant
-from mimoc.compiler.presets import delays
 from mimoc.compiler.variants import at_age, errors_at
-from mimoc.policies.control.holding import Controller, Rehearsal, servo
+from mimoc.policies.control.balance import Balance
+from mimoc.policies.control.holding import ESTIMATED_RAD_S, FREQUENCY_RAD_S, Controller, Servo, servo
 from mimoc.policies.control.infant import DrivenInfant
-from mimoc.runtime.delays import Timing, delays_by_signal, within
-from mimoc.runtime.noise import NoiseStreams
-from mimoc.runtime.sense import FloatArray, IntArray
+from mimoc.runtime.sense import FloatArray
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 from mimoc.studies.comparison import Basis
+from mimoc.studies.milestones.nerves import NervousControl, nerves_of
 
 FIXED_ARMATURE = 1e6
 """Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""
 
-INTERVAL_MS = 5.0  # How often commands are sent in trials with delays.
+SEEDS = 3  # Number of seeds with which each attempt of an infant with noise is simulated, of which half succeed.
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,25 +40,36 @@ class Conditions:
     servo: float = 1.0  # Factor on the natural frequency of the controller.
     strength: float = 1.0  # Factor on the torque limits of all motors, on top of the infant's own.
     delays: bool = False
-    """Whether the infant's own delays of senses and commands apply, with a forward model that predicts over them."""
+    """Whether the infant's own delays of senses and commands apply; without them and noise, its body is tried alone."""
+    noise: bool = False
+    """Whether its own noise of senses and commands applies."""
+    seeds: int = SEEDS
+    """Number of seeds with which each attempt is simulated with noise; at least half have to succeed."""
+
+    @property
+    def are_of_nerves(self) -> bool:
+        """Whether the infant acts from its own senses."""
+        return self.delays or self.noise
+
+
+USUAL = Conditions(delays=True, noise=True)
+"""Conditions in which infants are compared with real ones: with a nervous system."""
 
 
 @dataclass(frozen=True)
 class TrialInfant(DrivenInfant):
     """A driven infant with what a trial has to know of it, which an apparatus can hold."""
 
-    timing: Timing  # When its senses tell and its commands act, in trials with delays.
     toneless_bias: FloatArray | None = None
     """Bias parameters of servos without muscle tone, shape (nu, mjNBIAS): what their commands alone make of them; None
     if it has no servos."""
+    nerves: Bundle | None = field(default=None, repr=False)
+    """What the runtime is told of its senses, delays and noise; None if its body is tried alone."""
 
     @property
-    def sensed_steps(self) -> IntArray:
-        """Physics steps after which each joint is known, the root by proprioception and balance, shape (njnt,)."""
-        model, timing = self.model, self.timing
-        steps = timing.delay_steps("proprioception", within(model, model.jnt_bodyid.astype(np.intp)), model.njnt)
-        balance = timing.delay_steps("vestibular", None, model.njnt)
-        return np.where(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE, np.maximum(steps, balance), steps)
+    def held(self) -> list[int]:
+        """The degrees of freedom that an apparatus holds."""
+        return np.flatnonzero(self.model.dof_armature >= FIXED_ARMATURE).tolist()
 
     def fixed(self, dofs: Collection[int]) -> "TrialInfant":
         """Return an infant some of whose degrees of freedom are held by an apparatus."""
@@ -83,14 +92,17 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> T
     grown = grown_to(spec, age_months, conditions)
     with errors_at(spec, age_months):
         model = compile_infant(grown)
-    return in_trial(model, grown)
+        if not conditions.are_of_nerves:
+            return in_trial(model, grown)
+        nerves = nerves_of(grown, delays=conditions.delays, noise=conditions.noise)
+        return replace(in_trial(model, grown), nerves=nerves)
 
 
 def in_trial(model: mujoco.MjModel, spec: InfantSpec) -> TrialInfant:
     """Return the infant of a model that was compiled from some spec, perhaps with other things in its world."""
     joints = np.unique(model.actuator_trnid[:, 0]).astype(np.intp)
     bias = compile_infant(_with_actuation(spec, arousal=0.0)).actuator_biasprm if _has_servos(spec) else None
-    return TrialInfant(model, joints, own_timing(spec), bias)
+    return TrialInfant(model, joints, bias)
 
 
 def slackened(spec: InfantSpec) -> InfantSpec:
@@ -124,49 +136,6 @@ def grown_to(spec: InfantSpec, age_months: float, conditions: Conditions) -> Inf
 
 def _has_servos(spec: InfantSpec) -> bool:
     return spec.actuation.model == "position"
-
-
-def own_timing(spec: InfantSpec) -> Timing:
-    """Return the time base of a spec's infant with its own delays; if it asks for none, with those of its age."""
-    asked, timestep_ms = spec.delays, spec.control.timestep_ms
-    if asked.preset == "none":
-        asked = asked.model_copy(update={"preset": "physiological"})
-    entry = delays(spec.model_copy(update={"delays": asked}), child_of(spec).tree)
-    step_ms = max(round(INTERVAL_MS / timestep_ms), 1) * timestep_ms
-    return Timing(step_ms, timestep_ms, delays_by_signal(entry), entry.legs)
-
-
-class Estimator:
-    """Tells the present state from what the senses told of each joint, after its own delay.
-
-    From the state of the longest delay ago, a copy is simulated under the commands that have acted since; what was
-    sensed later replaces its part on the way.
-    """
-
-    def __init__(self, model: mujoco.MjModel, sensed_steps: IntArray):
-        """Begin without a past; place and speed of each joint are known after *sensed_steps*, shape (njnt,)."""
-        self._model, self._estimate = model, mujoco.MjData(model)
-        of_speeds = sensed_steps[model.dof_jntid]
-        ends = [*model.jnt_qposadr[1:].tolist(), model.nq]
-        of_places = np.repeat(sensed_steps, np.array(ends) - model.jnt_qposadr)
-        self._parts = {late: (of_places == late, of_speeds == late) for late in np.unique(sensed_steps).tolist()}
-        self._past: deque[tuple[FloatArray, ...]] = deque(maxlen=max(self._parts) + 1)
-
-    def __call__(self, data: mujoco.MjData) -> mujoco.MjData:
-        """Return the estimate of a state, which the infant knows of later: its controls are those that act until now.
-
-        It is to be called after each physics step, before the next controls.
-        """
-        estimate, past = self._estimate, self._past
-        past.append((data.qpos.copy(), data.qvel.copy(), data.act.copy(), data.ctrl.copy()))
-        estimate.qpos[:], estimate.qvel[:], estimate.act[:], estimate.ctrl[:] = past[0]
-        for late in range(len(past) - 2, -1, -1):
-            qpos, qvel, _, estimate.ctrl[:] = past[-1 - late]
-            mujoco.mj_step(self._model, estimate)
-            if late in self._parts:
-                places, speeds = self._parts[late]
-                estimate.qpos[places], estimate.qvel[speeds] = qpos[places], qvel[speeds]
-        return estimate
 
 
 CHECKED_EVERY_S = 0.05  # How often the condition of a trial is checked.
@@ -212,6 +181,8 @@ class Attempt:
     apparatus: Apparatus | None = None
     strategy: str = ""  # In words, which posture it is.
     side: str = ""  # The side that the attempt is about, `left` or `right`, if the trial has sides.
+    balanced: bool = False  # Whether an infant with a nervous system turns its trunk back to how it stood.
+    on_feet: bool = False  # Whether its ankles balance it as well.
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,20 +216,44 @@ def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, side: str
     for attempt in trial.attempts(infant) if infant.has(*trial.needs) else ():
         if side not in ("", attempt.side):
             continue
-        outcome = simulate(attempt, conditions)
+        outcome = _with_seeds(attempt, conditions)
         if outcome.success:
             return outcome
         best = max(best, outcome, key=lambda tried: tried.seconds)
     return best
 
 
-def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = None) -> Outcome:
-    """Return the outcome of an attempt."""
+def _with_seeds(attempt: Attempt, conditions: Conditions) -> Outcome:
+    """Return the outcome of the attempt: the first success if at least half of the seeds succeed, or the longest."""
+    control = control_of(attempt, conditions)
+    seeds = conditions.seeds if conditions.noise else 1
+    needed = (seeds + 1) // 2
+    succeeded, failed = list[Outcome](), list[Outcome]()
+    for seed in range(seeds):
+        outcome = simulate(attempt, conditions, seed=seed, control=control)
+        (succeeded if outcome.success else failed).append(outcome)
+        if len(succeeded) == needed:
+            return succeeded[0]
+        if len(failed) > seeds - needed:
+            break
+    return max(failed, key=lambda tried: tried.seconds)
+
+
+def simulate(
+    attempt: Attempt,
+    conditions: Conditions,
+    watch: Watch | None = None,
+    *,
+    seed: int = 0,
+    control: "Control | None" = None,
+) -> Outcome:
+    """Return the outcome of an attempt with a seed; *control* is that of the same attempt, if it was tried before."""
     model = attempt.infant.model
     data = mujoco.MjData(attempt.infant.model)
     data.qpos[:] = attempt.start.qpos
     mujoco.mj_forward(model, data)
-    controls = _controls(attempt, conditions, data)
+    control = control or control_of(attempt, conditions)
+    control.begin(data, seed)
     step_s, chest = model.opt.timestep, attempt.infant.pushed
     checked_every = max(round(CHECKED_EVERY_S / step_s), 1)
     for step in range(round(attempt.seconds / step_s)):
@@ -268,8 +263,9 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
         now = [push for push in attempt.pushes if push.start_s <= time_s < push.start_s + push.duration_s]
         size_n = conditions.push * attempt.infant.weight_n
         data.xfrc_applied[chest, :3] = size_n * np.sum([push.direction for push in now], axis=0) if now else np.zeros(3)
-        data.ctrl[:] = controls(step)
+        control.before(step, data)
         mujoco.mj_step(model, data)
+        control.after(step, data)
         if watch:
             watch(data)
         checked = step % checked_every == 0 and time_s >= attempt.checked_from_s
@@ -278,34 +274,43 @@ def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = Non
     return Outcome(True, attempt.seconds, "", attempt.strategy)
 
 
-def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> Callable[[int], FloatArray]:
-    """Return the function from a physics step to the controls that arrive in it, shape (nu,)."""
+class BodyControl:
+    """Goes to angles knowing the state, without delay or noise."""
+
+    def __init__(self, infant: TrialInfant, gains: Servo, target: Target):
+        self._infant, self._gains, self._target = infant, gains, target
+
+    def begin(self, data: mujoco.MjData, seed: int) -> None:
+        """Begin in a posture; nothing is random."""
+        self._step_s = self._infant.model.opt.timestep
+        self._control = Controller(self._infant, self._gains, self._step_s)
+
+    def before(self, step: int, data: mujoco.MjData) -> None:
+        """Set the controls of a physics step."""
+        data.ctrl[:] = self._control(data, self._target(data, step * self._step_s))
+
+    def after(self, step: int, data: mujoco.MjData) -> None:
+        """Do nothing after a physics step."""
+
+
+Control = BodyControl | NervousControl
+
+
+def control_of(attempt: Attempt, conditions: Conditions) -> Control:
+    """Return what moves an infant in an attempt."""
     infant = attempt.infant
-    angles = attempt.infant.turned(attempt.start, attempt.goal_deg)
+    angles = infant.turned(attempt.start, attempt.goal_deg)
     target = attempt.target or (lambda data, time_s: angles)
-    gains = servo(infant, data, conditions.servo)
-    step_s = infant.model.opt.timestep
-    if not conditions.delays:
-        control = Controller(infant, gains, step_s)
-        return lambda step: control(data, target(data, step * step_s))
-    model, every = infant.model, infant.timing.period
-    actuators = np.arange(model.nu)
-    estimator = Estimator(model, infant.sensed_steps)
-    rehearsal = Rehearsal(infant, gains, actuators, infant.timing)
-    lines = infant.timing.commands(
-        within(model, model.jnt_bodyid[model.actuator_trnid[:, 0]]), actuators, NoiseStreams(0)
-    )
-    arrived = rehearsal.hold(data, target(data, 0.0)).copy()
-
-    def controls(step: int) -> FloatArray:
-        estimate = estimator(data)
-        if step % every == 0:
-            sent = rehearsal(estimate, lambda ahead, _: target(ahead, step * step_s))
-            for line in lines:
-                line.begin(sent)
-        for line in lines:
-            if step % every in line.applied_after:
-                line.apply(arrived)
-        return arrived
-
-    return controls
+    start = mujoco.MjData(infant.model)
+    start.qpos[:] = attempt.start.qpos
+    mujoco.mj_forward(infant.model, start)
+    gains = servo(infant, start, conditions.servo)
+    if not conditions.are_of_nerves:
+        return BodyControl(infant, gains, target)
+    if infant.nerves is None:
+        raise ValueError("this infant was compiled for trials of its body alone; compile it with these conditions")
+    is_soft = attempt.balanced and not attempt.on_feet  # As behaviours are.
+    frequency = ESTIMATED_RAD_S if is_soft else FREQUENCY_RAD_S
+    gains = servo(infant, start, conditions.servo, frequency_rad_s=frequency)
+    balance = Balance(infant, start, attempt.on_feet) if attempt.balanced else None
+    return NervousControl(infant, infant.nerves, start, gains, target, balance, infant.held, attempt.apparatus)

@@ -11,6 +11,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from mimoc.policies.behaviours.postures import LAP_DEG
 from mimoc.policies.control.postures import (
     FEET,
     SEAT,
@@ -47,6 +48,8 @@ def _standing(infant: TrialInfant) -> Iterator[Attempt]:
                 lambda data: fallen(infant, data, forbidden),
                 pushes=PUSHES,
                 strategy=f"knees {knee_deg:g}°, weight {lean:g} of the way from ankle to toes",
+                balanced=True,
+                on_feet=True,
             )
 
 
@@ -135,15 +138,17 @@ month-old infant sits; that takes control without noise and delay. Further forwa
 
 def _sitting(infant: TrialInfant) -> Iterator[Attempt]:
     forbidden = infant.parts_without(SEAT[1:]) - {infant.model.body("hip").id}
+    arms_deg = {f"{{side}}_{name}": angle for name, angle in LAP_DEG.items()} if infant.nerves else {}
     for knee_deg in SITTING_KNEES_DEG:
         for lean in SITTING_LEANS:
             yield Attempt(
                 infant,
-                seat(infant, knee_deg, lean),
+                seat(infant, knee_deg, lean, arms_deg),
                 SITTING_S,
                 lambda data: slumped(infant, data, forbidden),
                 pushes=PUSHES,
                 strategy=f"knees {knee_deg:g}°, weight {lean:g} of the way from seat to heels",
+                balanced=True,
             )
 
 

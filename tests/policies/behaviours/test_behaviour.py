@@ -79,9 +79,9 @@ def test_a_text_that_is_no_policy_says_what_to_write(text, says):
     assert says in str(caught.value)
 
 
-def test_eight_behaviours_come_with_mimoc():
+def test_nine_behaviours_come_with_mimoc():
     own = {name for name in POLICIES if POLICIES[name].is_behaviour}
-    assert own == {"hold", "sit", "prone", "hands_and_knees", "stand", "kick", "look_at", "reach_for"}
+    assert own == {"hold", "sit", "prone", "hands_and_knees", "stand", "kick", "look_at", "look_around", "reach_for"}
 
 
 def spec(age_months, processing: Any = "age", preset="physiological", **keys) -> mimoc.InfantSpec:
@@ -91,9 +91,9 @@ def spec(age_months, processing: Any = "age", preset="physiological", **keys) ->
     return mimoc.InfantSpec.model_validate({"scene": {"pose": "supine"}, **data})
 
 
-def onset_ms(env, seed: int) -> float:
+def onset_ms(env, seed: int, policy="look_at(0.3, 0.2, 0.3)") -> float:
     """Return when the left eye first turns at 30 deg/s, as a saccade begins, in [ms]."""
-    run, camera = Run(env, "look_at(0.3, 0.2, 0.3)", seed=seed), env.manifest.anatomy.eyes[0].camera
+    run, camera = Run(env, policy, seed=seed), env.manifest.anatomy.eyes[0].camera
     before = None
     for step in range(400):
         run.step()
@@ -116,9 +116,11 @@ def test_a_new_target_is_looked_at_after_the_time_of_the_age(age_months, preset)
     assert 0.1 < np.std(times_ms) / np.mean(times_ms) < 0.5
 
 
-def test_without_processing_an_infant_looks_at_once():
+def test_without_processing_an_infant_that_is_told_the_truth_looks_at_once():
     assert reaction_of(mimoc.build(spec(3, processing="off")).manifest, "look") is None
-    assert onset_ms(mimoc.make(spec(3, processing=None, preset="none")).unwrapped, 0) < 100
+    env = mimoc.make(spec(3, processing=None, preset="none")).unwrapped
+    assert onset_ms(env, 0, "look_at(0.3, 0.2, 0.3, truth)") < 100
+    assert onset_ms(env, 0) > 200
 
 
 @pytest.mark.parametrize("response", ["look", "reach"])
@@ -128,7 +130,7 @@ def test_the_times_of_many_reactions_are_those_of_the_table(age_months, response
     manifest = mimoc.build(spec(age_months)).manifest
     reaction, generator = reaction_of(manifest, response), np.random.default_rng(0)
     out_s = dict(manifest.delays)["motor"].ms / 1000
-    times_s = np.array([reaction.conduction_s + reaction._decision_s(generator) + out_s for _ in range(20000)])
+    times_s = np.array([reaction.conduction_s + reaction.draw_s(generator) + out_s for _ in range(20000)])
     wanted_s = {"look": SACCADE_MS, "reach": {1: 1500, 6: 600, 12: 450}}[response][age_months] / 1000
     assert times_s.mean() == pytest.approx(wanted_s, rel=0.02)
     assert times_s.std() / times_s.mean() == pytest.approx({1: 0.35, 6: 0.3125, 12: 0.2}[age_months], rel=0.06)
@@ -160,12 +162,11 @@ def test_a_target_that_jumps_is_followed_to_where_it_was_until_the_infant_reacts
     env.data.joint(toy).qpos[2] += 0.3
     for _ in range(2):
         run.step()
-    known = look._noticed.place_m(env.data, env.steps * 0.01)
-    assert known == pytest.approx(before, abs=0.02)
+    assert look._next.seen.place_m == pytest.approx(before, abs=0.02)
     for _ in range(200):
         run.step()
     now = look._target.place_m(env.data)
-    assert look._noticed.place_m(env.data, env.steps * 0.01) == pytest.approx(now)
+    assert look._next.seen.place_m == pytest.approx(now, abs=0.02)
 
 
 @pytest.mark.parametrize("age_months", [0, 6, 24])

@@ -5,7 +5,7 @@ import pytest
 from support.full import full_rows
 
 import mimoc
-from mimoc.base.errors import ControlError
+from mimoc.base.errors import ControlError, PolicyError
 from mimoc.policies.reach import GAIN_SETS, ReachableTargets, ReachPolicy, reach_errors
 from mimoc.policies.rollout import Run
 
@@ -39,7 +39,7 @@ def test_places_follow_from_the_generator(held_infant):
 def test_an_infant_with_one_arm_reaches_with_that(open_env):
     env = open_env(body={"remove": ["left_upper_arm"]}, scene=SITTING)
     policy = ReachPolicy(env)
-    assert env.action_space.contains(policy(np.random.default_rng(0), {}))
+    assert env.action_space.contains(policy(np.random.default_rng(0), env.reset(seed=0)[0]))
     assert len(policy.errors()[0]) == 1
 
 
@@ -95,6 +95,27 @@ def test_a_fall_is_told(open_env, keys):
     assert 0.0 < run.summary().metrics["fell_after_s"] < 2.0
 
 
+def test_with_the_senses_for_it_late_commands_and_senses_hardly_matter(open_env):
+    """An infant that acts from the simulation's present is 3 cm away from its targets, as commands act too late."""
+    senses = {"proprioception": {"include": ["velocity"]}, "vestibular": {}, "touch": {}}
+    held = {**SITTING, "held": ["hip", "chest"]}
+    env = open_env(senses=senses, scene=held, delays={"preset": "physiological"}, actuation={"voice": True})
+    errors_m, told = list[float](), list[int]()
+    for policy in ("reach", "reach:truth"):
+        run = Run(env, policy, seed=0)
+        for _ in range(160):
+            run.step()
+        errors_m.append(run.summary().metrics["hand_error_m"])
+        told.append(len(run.summary().notes))
+    assert errors_m[0] < 0.01 < errors_m[1]
+    assert told == [0, 1]
+
+
+def test_reaching_takes_no_other_word(open_env):
+    with pytest.raises(PolicyError, match="write reach or reach:truth"):
+        Run(open_env(scene=SITTING), "reach:ball", seed=0)
+
+
 def test_what_comes_of_reaching_is_summed_up_only_where_something_reaches(open_env):
     env = open_env(scene=SITTING)
     for policy, reaches in (("reach", True), ("zero", False)):
@@ -146,7 +167,7 @@ def test_the_ball_of_the_task_is_what_is_reached_for(open_env):
 def test_eyes_that_are_not_there_or_not_moved_are_left_out(open_env, keys):
     env = open_env(scene={**SITTING, "held": ["hip", "chest"]}, **keys)
     policy = ReachPolicy(env)
-    assert env.action_space.contains(policy(np.random.default_rng(0), {}))
+    assert env.action_space.contains(policy(np.random.default_rng(0), env.reset(seed=0)[0]))
     hands_m, eyes_rad = policy.errors()
     assert (len(hands_m), len(eyes_rad)) == (2, 1 if "body" in keys else 0)
 

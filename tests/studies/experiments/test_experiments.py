@@ -19,7 +19,17 @@ from mimoc.bundle.model import load_model
 from mimoc.runtime.quantities import EpisodeResult
 from mimoc.studies.comparison import Figure
 from mimoc.studies.experiment import Experiment, figure_rows, figures_of, find_experiment, grid, run_experiment
-from mimoc.studies.experiments import EXPERIMENTS, delays, growth, kicking, localisation, looking, regard, strength
+from mimoc.studies.experiments import (
+    EXPERIMENTS,
+    delays,
+    growth,
+    kicking,
+    localisation,
+    looking,
+    regard,
+    sitting,
+    strength,
+)
 from mimoc.studies.experiments.contingency import Phases
 from mimoc.studies.experiments.delays import reaching
 from mimoc.studies.experiments.growing import (
@@ -30,13 +40,14 @@ from mimoc.studies.experiments.growing import (
     reaching as growing_infant,
     schedule_of,
 )
-from mimoc.studies.experiments.inverse import sitting
+from mimoc.studies.experiments.inverse import sitting as sitting_infant
 from mimoc.studies.experiments.learner import Learner, by_group
 from mimoc.studies.experiments.strength import lying
 from mimoc.studies.notebook import page_text
 from mimoc.training import Curve, Training
 
 REGARDING = grid(regard.Case, condition=regard.POLICIES, age_months=(0, 4), seconds=(0.4,))
+SITTING = [sitting.Case(9), *(sitting.Case(9, name, levels[-1]) for name, levels in sitting.LEVELS.items())]
 TRAIN = "mimoc.studies.experiments.learner.train"
 SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})
 SMALL = {
@@ -89,7 +100,15 @@ SMALL = {
     },
     "stepping": {"QUICK_SECONDS": 3.0, "seeds": range(1)},
     "localisation": {"QUICK_TRIALS": 100, "cases": [localisation.Case(age, (0, 30, 90)) for age in (4, 18)]},
-    "regard": {"MONTHS": (0, 4), "cases": REGARDING, "seeds": range(1), "SIZE_PX": 32, "PICTURED_S": 0.2},
+    "sitting": {"seeds": range(1), "SECONDS": 0.3, "cases": SITTING},
+    "regard": {
+        "MONTHS": (0, 4),
+        "cases": REGARDING,
+        "seeds": range(1),
+        "SIZE_PX": 32,
+        "SEEING_PX": {"sees": 16},
+        "PICTURED_S": 0.2,
+    },
     "looking": {
         "AGES_MONTHS": (1, 12),
         "cases": grid(looking.Case, eyes=looking.KINDS, age_months=(1, 12)),
@@ -145,7 +164,7 @@ def made(request, tmp_path_factory, folder_of):
 
 @pytest.mark.parametrize(
     "infant",
-    [lambda: lying("published", 6)(0), lambda: reaching("published", 50), lambda: sitting("published")],
+    [lambda: lying("published", 6)(0), lambda: reaching("published", 50), lambda: sitting_infant("published")],
     ids=["effort", "delays", "inverse"],
 )
 def test_what_the_paper_shows_of_strength_and_control_is_shown_by_its_law(infant):
@@ -239,8 +258,8 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     ("arguments", "message"),
     [
         (
-            ["swimming", "-o", "out"],
-            f"'swimming' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
+            ["juggling", "-o", "out"],
+            f"'juggling' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
         ),
         (["growth", "-o", "file"], "file: is a file, not a folder; choose another folder"),
         (

@@ -8,11 +8,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 import mimoc
+from mimoc.motion.hand_movement import UNIT_M_S, Movement
 from mimoc.studies.experiments.late_reaches import DELAYS, infant_of_age
 from mimoc.studies.experiments.sensed_reaching import (
     TOUCHED_M,
-    UNIT_M_S,
-    Movement,
     SensedController,
     place_in_front,
     reach_once,

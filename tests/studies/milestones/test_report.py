@@ -1,5 +1,7 @@
 """What a report on milestones says."""
 
+from dataclasses import replace
+
 import pytest
 
 import mimoc
@@ -15,7 +17,7 @@ from mimoc.studies import milestones as milestone_reports
 from mimoc.studies.growth_plots import rows_sheet
 from mimoc.studies.milestones import WINDOWS, Milestone, MilestoneReport, is_average, validate_milestones
 from mimoc.studies.milestones.search import SearchResult
-from mimoc.studies.milestones.trial import Conditions, Outcome, compile_at, try_out
+from mimoc.studies.milestones.trial import USUAL, Conditions, Outcome, compile_at, try_out
 from mimoc.studies.milestones.trials import TRIALS
 
 
@@ -104,8 +106,34 @@ def test_the_plot_has_a_bar_for_each_milestone():
     assert [label.get_text() for label in axes.get_yticklabels()] == [TRIALS[n].title for n in ("sit", "pull_to_stand")]
 
 
+@pytest.mark.parametrize(
+    ("conditions", "said"),
+    [
+        (USUAL, "with delays and noise of senses and commands; an attempt counts if at least half of 3 seeds succeed"),
+        (Conditions(delays=True), "with delays of senses and commands, without noise"),
+        (Conditions(noise=True, seeds=5), "with noise of senses and commands; an attempt counts if at least half of 5"),
+        (Conditions(), "the body alone, without delays and noise"),
+    ],
+)
+def test_the_table_says_what_of_the_nervous_system_was_tried(capsys, conditions, said):
+    print_milestones(replace(report(6.0, None), conditions=conditions))
+    assert said in " ".join(capsys.readouterr().out.split())
+
+
+def test_by_default_infants_are_compared_with_a_nervous_system(monkeypatch):
+    asked = []
+
+    def search(spec, conditions, names, *_):
+        asked.append(conditions)
+        return {name: SearchResult(youngest_months=4.0, outcomes={4.0: Outcome(True, 6.0)}) for name in names}
+
+    monkeypatch.setattr(milestone_reports, "search_trials", search)
+    assert validate_milestones(names=["sit"]).conditions == USUAL
+    assert asked == [Conditions(delays=True, noise=True)]
+
+
 def test_the_data_has_every_attempt():
-    found = validate_milestones(names=["leg_lift"], ages=[0, 24]).to_data()
+    found = validate_milestones(None, Conditions(), names=["leg_lift"], ages=[0, 24]).to_data()
     (milestone,) = found["milestones"]
     assert [each["age_months"] for each in milestone["tried"]] == [0, 24]
     assert milestone["verdict"] == "no verdict"
@@ -113,7 +141,7 @@ def test_the_data_has_every_attempt():
 
 @pytest.mark.parametrize("name", ["pull_to_stand", "supine_head"])
 def test_a_newborn_does_not_get_up_nor_lift_its_head_from_its_back(name):
-    found = validate_milestones(names=[name], ages=[0, 12]).milestones[0].result
+    found = validate_milestones(None, Conditions(), names=[name], ages=[0, 12]).milestones[0].result
     assert found.youngest_months == 12
     assert not found.at_birth
 
@@ -123,7 +151,8 @@ WEAK = CHILD.with_(impairments={"weakness": {"right_arm": 0.05}})
 
 
 def arms_out(spec, **options):
-    (milestone,) = (report := validate_milestones(spec, names=["arm_out"], ages=[0, 5], **options)).milestones
+    report = validate_milestones(spec, Conditions(), names=["arm_out"], ages=[0, 5], **options)
+    (milestone,) = report.milestones
     return milestone, report
 
 
@@ -257,7 +286,7 @@ def test_nobody_is_judged_by_an_assumption_and_no_window_rests_on_memory():
 def test_a_child_born_early_is_tried_from_term_on_and_judged_by_its_corrected_age():
     """Its head lags until four months after term, 6.3 months after it was born."""
     preterm = mimoc.InfantSpec(mimoc=1, name="early", age_months=9, impairments={"gestation_weeks": 30})
-    (milestone,) = mimoc.validate_milestones(preterm, names=["no_head_lag"]).milestones
+    (milestone,) = mimoc.validate_milestones(preterm, Conditions(), names=["no_head_lag"]).milestones
     tried = sorted(milestone.result.outcomes)
     assert tried[0] == 2.5
     assert milestone.result.youngest_months == pytest.approx(4 + milestone.months_early, abs=0.5)

@@ -115,7 +115,7 @@ def limb(ratio, *, friction_nm=0.0):
       </worldbody>
       <actuator><motor joint="robot:left_knee" gear="1" ctrlrange="-1 1" forcerange="-1 1"/></actuator>
     </mujoco>""")
-    return TrialInfant(model, np.array([1], np.intp), (0.0, 0.0))
+    return TrialInfant(model, np.array([1], np.intp))
 
 
 @pytest.mark.parametrize("ratio", [0.09, 0.1, 0.2, 0.35])
