@@ -210,7 +210,7 @@ def print_living():
             print(f"| `{posture}` | {age} | {' | '.join(held)} | {hand} | {head} |", flush=True)
 
 
-SENSED: dict[str, tuple[float, ...]] = {"sit": (6, 7, 9, 12), "stand": (11, 12, 13, 15, 18, 24)}
+SENSED: dict[str, tuple[float, ...]] = {"sit": (5, 6, 7, 9, 12), "stand": (11, 12, 13, 15, 18, 24)}
 SENSED_SEEDS = 5
 PROPRIOCEPTION_DEG = (0.5, 0.75, "age")
 

@@ -299,7 +299,7 @@ class ReachPolicy:
 
     def notes(self) -> tuple[str, ...]:
         """Return in sentences what the infant knows that its senses do not tell."""
-        return told_of(self._env.manifest, self._reads_truth)
+        return told_of(self._env.manifest, self._reads_truth, self._felt.estimate.times_lost if self._felt else 0)
 
     def metrics(self) -> dict[str, float]:
         """Return what a run tells of reaching, as far as there is something to tell.
@@ -340,13 +340,14 @@ class FeltReach:
         self._env, self._gains = env, gains
         infant, timing = DrivenInfant.of(env.model, env.manifest), timing_of(env.manifest, env.senses)
         organs = Organs.of(env.model, env.manifest, timing, SenseNoise.of(env))
-        self._estimate = Estimate(infant, env.actuation.actuators, timing, organs)
+        self.estimate = Estimate(infant, env.actuation.actuators, timing, organs)
+        """What the infant takes the state of its body to be."""
         self._reader = Reader(env)
         self._control: ReachController | None = None
 
     def __call__(self, observation: Observation, targets: "Targets") -> npt.NDArray[np.float32]:
         """Return the action for what is observed; an episode begins with its first call, or where its steps are 0."""
-        env, estimate = self._env, self._estimate
+        env, estimate = self._env, self.estimate
         if not np.isfinite(env.data.qpos).all():  # The simulation became unstable, and the episode is over.
             return np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
         if self._control is None or env.steps == 0:

@@ -140,7 +140,7 @@ def test_run_says_what_behaviours_know_that_no_sense_tells(invoke, here):
     done = invoke("run", "both.yaml", "--policy", "sit", "--steps", 1)
     assert (done.code, done.err) == (0, "")
     missing = "add 'proprioception' and 'vestibular' to the senses"
-    read = "behaviours read the true state of the body, as no sense tells"
+    read = "it reads the true state of its body, as no sense tells"
     _, *notes = " ".join(done.out.split()).split("note: ")
     (note,) = notes
     assert note.startswith(f"ann: {read} the angles of joints and the tilt of the trunk")

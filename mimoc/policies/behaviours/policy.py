@@ -354,7 +354,8 @@ class BehaviourPolicy:
 
     def notes(self) -> tuple[str, ...]:
         """Return in sentences what the infant's behaviours know that its senses do not tell."""
-        return told_of(self._env.manifest, self._knowledge.reads_truth)
+        estimate = self._ensemble.estimate
+        return told_of(self._env.manifest, self._knowledge.reads_truth, estimate.times_lost if estimate else 0)
 
     @property
     def state(self) -> dict[str, Any]:

@@ -195,17 +195,24 @@ def lacking(manifest: Manifest) -> tuple[str, ...]:
     return tuple(name for name in NEEDED if getattr(manifest.senses, name, None) is None)
 
 
-def told_of(manifest: Manifest, reads_truth: bool) -> tuple[str, ...]:
-    """Return in sentences what an infant knows of its body that its senses do not tell."""
+def told_of(manifest: Manifest, reads_truth: bool, times_lost: int = 0) -> tuple[str, ...]:
+    """Return in sentences what an infant knows of its body that its senses do not tell.
+
+    *times_lost* is how often its estimate was lost; see `Estimate`.
+    """
     if reads_truth:
-        return ("behaviours read the true state of the body, as asked",)
+        return ("it reads the true state of its body, as asked",)
     if missing := lacking(manifest):
         what = " and ".join(NEEDED[name] for name in missing)
         senses = " and ".join(f"'{name}'" for name in missing)
-        return (f"behaviours read the true state of the body, as no sense tells {what}; add {senses} to the senses",)
+        return (f"it reads the true state of its body, as no sense tells {what}; add {senses} to the senses",)
+    notes = list[str]()
     if getattr(manifest.senses, SKIN, None) is None:
-        return ("without 'touch', what carries the body is foreseen and not felt",)
-    return ()
+        notes.append("without 'touch', what carries the body is foreseen and not felt")
+    if times_lost:
+        how_often = "once" if times_lost == 1 else f"{times_lost} times"
+        notes.append(f"its estimate of its body was lost {how_often}, and began again in the true state")
+    return tuple(notes)
 
 
 @dataclass(frozen=True)
@@ -441,6 +448,8 @@ class Estimate:
         """Errors of sensed angles and their rates, in standard deviations, as estimated."""
         self._filter: BodyFilter | None = None
         self._settled: tuple[mujoco.MjData, BodyFilter] | None = None  # The last settled state, and its filter.
+        self.times_lost = 0
+        """How often it foresaw no motion of an infant, and began again in the true state."""
         self._find_places()
 
     def _find_places(self) -> None:
@@ -497,6 +506,7 @@ class Estimate:
         """
         sent = None if sent is None else sent[: len(self._said)]
         if self.data.warning.number.any() or np.abs(self.data.qvel[self._dofs]).max() > MAX_RAD_S:
+            self.times_lost += 1
             self.begin(data, self._sent[-1].copy())
         if sent is not None and self._before and np.abs(sent - self._said).max(initial=0.0) > SAME_COMMAND:
             self._repeat(self._sent[-1] + sent - self._said)
@@ -532,6 +542,7 @@ class Estimate:
 
         For *settled* see `begin`.
         """
+        self.times_lost = former.times_lost
         same = former._sent.shape == self._sent.shape and former._past.qpos.shape[1:] == self._past.qpos.shape[1:]
         self.begin(data, former._sent[-1].copy() if same else data.ctrl[self._actuators], settled)
         if same and former._error:
@@ -718,6 +729,7 @@ class Estimate:
             "errors": self._errors.copy(),
             "filter": self._filter,
             "error": self._error,
+            "times_lost": self.times_lost,
         }
 
     @state.setter
@@ -735,6 +747,7 @@ class Estimate:
         if state["filter"] is not None:
             self._use(state["filter"])
         self._error = state["error"]
+        self.times_lost = state["times_lost"]
         mujoco.mj_step1(self._model, own)
 
 

@@ -112,6 +112,15 @@ def test_commands_that_others_add_are_foreseen(late):
     np.testing.assert_allclose(sitting.estimate._sent[-1], before + 0.1)
 
 
+def test_an_estimate_that_is_lost_begins_again_and_says_so(late):
+    sitting = Sitting(late)
+    sitting.step(3)
+    sitting.estimate.data.qvel[6:] = 100.0
+    sitting.step(1)
+    assert np.abs(sitting.estimate.data.qvel).max() < 10.0
+    assert any("lost once" in note for note in sitting.policy.notes())
+
+
 @pytest.mark.full
 def test_a_state_goes_on_as_it_did(late):
     sitting = Sitting(late)
@@ -160,7 +169,7 @@ def test_what_is_missing_is_said(nine):
     for one, policy, said in (
         (env, "sit", "as no sense tells the angles of joints"),
         (nine, "sit", "without 'touch'"),
-        (nine, "sit(truth)", "true state of the body, as asked"),
+        (nine, "sit(truth)", "true state of its body, as asked"),
     ):
         sitting: Any = policy_of(one, policy)
         assert said in sitting.notes()[0]
